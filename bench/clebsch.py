@@ -5,7 +5,7 @@
 
 First table: energies of the spectral relaxation (EIG), of SVD rounding, of randomized rounding and of the default
 solve, with the bound, on a grid of NODES x NODES x NODES / 2 (40 by default). The knot's circulation is the number of
-quanta times h. Second table: what is found for a wished number of filaments through the plane with most vorticity.
+quanta times h. Second table: filaments found, for a wanted number of them through the plane with most vorticity.
 Third table: more quanta. All say which share of all vorticity the filaments carry, and how far, in quanta and root mean
 square, the number of filaments through a square loop is from the flow's circulation along it, for all loops of a tenth
 and of a quarter of the longest side.

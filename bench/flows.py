@@ -127,7 +127,7 @@ def jet(nodes):
 
 
 def default_sources(folder, nodes):
-    """Flows by what they are called, and the polygons of their vortices where they are known."""
+    """Test flows by name, with the polygons of their vortices if known."""
     for label, flow in (("ABC", abc), ("Taylor-Green", taylor_green)):
         grid = Grid((nodes,) * 3, TURN / nodes, 0.0, True)
         velocity = np.column_stack(flow(*grid.places.T)).reshape(*grid.shape, 3)

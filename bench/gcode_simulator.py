@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A printer that reads nothing but a program: where its tip goes on the part, how fast its axes turn, what it fills.
+"""Simulate a printer from G-code text: tip positions on the part, speeds of the axes, and the volume that beads fill.
 
 It shares no code with the writer of programs: its own reading of words, its own kinematics (Rodrigues' formula), moves
 sampled in the machine's axes, beads as what lies below the tip within half their width.
@@ -26,7 +26,7 @@ class Moves:
     seconds : (m,) that the program asks for
     widths, heights : (m,) of the last comments before
     kinds : (m,) names of the last ;TYPE: before
-    is_tcp : whether places are those of the tip on the part
+    is_tcp : whether coordinates are tip positions on the part (G43.4)
     """
 
     begins: np.ndarray

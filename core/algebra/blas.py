@@ -30,7 +30,7 @@ class _Everywhere:
         self.forget()
 
     def forget(self) -> None:
-        """Reset, as a forked process has none of the threads."""
+        """Reset in a forked process, which does not inherit threads."""
         self._lock, self._inside = Lock(), 0
         self._ended, self._keeper = Event(), Thread()
 

@@ -32,7 +32,7 @@ class _Pool:
         self.forget()
 
     def forget(self) -> None:
-        """Reset, as a forked process has none of the threads."""
+        """Reset in a forked process, which does not inherit threads."""
         self._lock, self._inside = Lock(), 0
         self._executor: ThreadPoolExecutor | None = None
 

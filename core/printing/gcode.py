@@ -11,15 +11,11 @@ from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
 from .kinematics import divide_moves, table_angles, to_machine, to_part, tool_directions
 from .moves import simplify_moves
+from .timing import feed_words, move_seconds, overhead_seconds, turn_accelerations
+from .writer import ProgramWriter
 
 # Travels that are shorter, in steps, stay near the layer.
 _NEAR = 4.0
-# Degrees that the table turns at most between places of a travel whose places are those of the tip on the part.
-_TURN = 5.0
-# Rounds in which turns that begin or end too suddenly are slowed down.
-_ROUNDS = 60
-# Turns of the way by more than this, in degrees, are taken from a stop, where the time is estimated.
-_CORNER = 30.0
 # What beads are, as previews of G-code call it.
 SKIRT, WALL, INNER, GAP = "Skirt/Brim", "External perimeter", "Perimeter", "Gap infill"
 
@@ -108,7 +104,7 @@ def gcode(course, machine):
     _check_place(course, machine)
     course, warnings = _with_skirt(course, machine)
     moves = _Moves.of(course, machine)
-    writer = _Writer(machine)
+    writer = ProgramWriter(machine)
     rows = [*_header(course, machine, moves), *_begin(machine)]
     tops = _tops(moves.places, machine)
     before, top, number, width, kinds = None, -np.inf, 0, None, course.kinds or [WALL] * len(course.runs)
@@ -273,21 +269,21 @@ class _Moves:
         bead, first = bead[kept], first[kept]
         ways, volumes = (np.where(first, 0, np.diff(values, prepend=0.0)) for values in (along, filled))
         # The first move of a bead is no move: it takes no time.
-        seconds, slowed = _seconds(ways, volumes, places, angles, first, course.is_first[bead], machine)
+        seconds, slowed = move_seconds(ways, volumes, places, angles, first, course.is_first[bead], machine)
         turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
         speeds = np.abs(turns) / np.where(seconds > 0, seconds, 1)[:, None]
         filament = volumes / (np.pi * machine.filament**2 / 4)
         facts = {
-            "seconds": float(seconds.sum()) + _overhead(places, ways, seconds, first, machine),
+            "seconds": float(seconds.sum()) + overhead_seconds(places, ways, seconds, first, machine),
             "filament": float(filament.sum()),
             "volume": float(volumes.sum()),
             "deviation": deviation,
             "tool_off": float(np.degrees(np.arccos(np.clip(cosines.min(initial=1), -1, 1)))) if machine.turns else 0.0,
             "turn_speed": float(speeds.max(initial=0)),
-            "turn_acceleration": float(_turn_accelerations(turns, seconds, first).max(initial=0)),
+            "turn_acceleration": float(turn_accelerations(turns, seconds, first).max(initial=0)),
             "slowed": float(ways[slowed].sum() / max(ways.sum(), 1e-12)),
         }
-        feeds = _feeds(ways, places, angles, seconds, machine)
+        feeds = feed_words(ways, places, angles, seconds, machine)
         return cls(places, angles, points, filament, feeds, np.append(np.flatnonzero(first), len(first)), reach, facts)
 
 
@@ -315,65 +311,6 @@ def _deviation(points, angles, places, kept, bead, machine):
     wanted = np.column_stack([np.interp(both, way, column) for column in points.T])
     turned = np.column_stack(interpolated)
     return float(np.linalg.norm(to_part(turned[:, :3], turned[:, 3:], machine) - wanted, axis=1).max())
-
-
-def _seconds(ways, volumes, places, angles, first, is_low, machine):
-    """(m,) seconds of each move, and which are slower than the feed."""
-    feed = np.full(len(ways), machine.feed)
-    if machine.first_feed:
-        feed[is_low] = machine.first_feed
-    wanted = 60 * ways / feed
-    seconds = wanted.copy()
-    if machine.largest_flow:
-        seconds = np.maximum(seconds, volumes / machine.largest_flow)
-    if machine.turns:
-        linear = np.abs(np.diff(places, axis=0, prepend=places[:1])).max(axis=1)
-        turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
-        seconds = np.maximum(seconds, np.abs(turns).max(axis=1) / machine.turn_speed)
-        seconds = np.maximum(seconds, np.where(first, 0, 60 * linear / machine.travel_feed))
-        for _ in range(_ROUNDS):
-            over = _turn_accelerations(turns, seconds, first) / machine.turn_acceleration
-            if over.max(initial=0) <= 1:
-                break
-            slower = np.sqrt(np.maximum(1.01 * over, 1))
-            factor = np.maximum(np.append(slower, 1), np.append(1, slower))
-            seconds *= factor
-    return seconds, seconds > 1.001 * wanted
-
-
-def _turn_accelerations(turns, seconds, first):
-    """(m - 1,) degrees a second squared of the table from each move to the next one of a bead."""
-    moves = ~first & (seconds > 0)
-    speeds = turns / np.where(moves, seconds, 1)[:, None]
-    both = moves[1:] & moves[:-1]
-    middle = np.where(both, (seconds[1:] + seconds[:-1]) / 2, 1)
-    return np.where(both, np.abs(np.diff(speeds, axis=0)).max(axis=1, initial=0) / middle, 0)
-
-
-def _feeds(ways, places, angles, seconds, machine):
-    """(m,) F words: of the tip's way, of the linear axes' where the dialect counts these, or moves a minute."""
-    minutes = np.where(seconds > 0, seconds, 1) / 60
-    if not machine.turns or machine.moves == "tcp":
-        return ways / minutes
-    if machine.moves == "inverse":
-        return 1 / minutes
-    linear = np.linalg.norm(np.diff(places, axis=0, prepend=places[:1]), axis=1)
-    turned = np.linalg.norm(np.diff(angles, axis=0, prepend=angles[:1]), axis=1)
-    # In the digits of the program, a controller counts the turn where no linear axis moves.
-    return np.where(linear > 1e-4, linear, turned) / minutes
-
-
-def _overhead(places, ways, seconds, first, machine):
-    """Seconds for travels, and for speeding up and slowing down: at the ends of beads and in corners."""
-    speeds = np.where(first, 0, ways / np.where(seconds > 0, seconds, 1))
-    steps = np.diff(places, axis=0, prepend=places[:1])
-    lengths = np.linalg.norm(steps, axis=1)
-    travels = lengths[first] / (machine.travel_feed / 60)
-    travels += machine.travel_feed / 60 / machine.acceleration
-    directions = steps / np.where(lengths > 0, lengths, 1)[:, None]
-    bent = np.einsum("kx,kx->k", directions[1:], directions[:-1]) < np.cos(np.radians(_CORNER))
-    stops = speeds[1:][bent & ~first[1:]].sum() / machine.acceleration
-    return float(travels.sum() + stops)
 
 
 def _tops(places, machine):
@@ -407,109 +344,3 @@ def _begin(machine):
     if machine.turns and machine.moves == "tcp":
         rows.append("G43.4 H1")
     return [*rows, "G92 E0"]
-
-
-class _Writer:
-    """Lines of moves, and where the machine is."""
-
-    def __init__(self, machine):
-        self._machine, self._letters = machine, machine.axes.upper() if machine.turns else ""
-        self._is_timed = machine.turns and machine.moves == "inverse"
-        self._is_tcp = machine.turns and machine.moves == "tcp"
-        self._plain = "G94 " if self._is_timed else ""
-        self._place, self._angles, self._is_home = np.zeros(3), np.zeros(len(self._letters)), True
-        self._drawn, self._total, self._written = False, 0.0, 0.0
-        self._last_z = ""
-
-    def travel(self, place, angles, top, is_same_layer, near, reach):
-        """To the begin of a bead: beside the last one, above it, or above all that is printed."""
-        machine = self._machine
-        if self._is_home:
-            self._is_home = False
-            safe = np.array([0.0, 0.0, max(place[2] + machine.lift, 5.0)])
-            self._place = safe
-            return [*self._rapid(safe, self._angles, "Z"), *self._rapid(np.append(place[:2], safe[2]), angles),
-                    *self._rapid(place, angles)]  # fmt: skip
-        distance = np.linalg.norm(place - self._place)
-        turned = np.radians(np.abs(angles - self._angles).max(initial=0))
-        if is_same_layer and distance <= machine.hop and turned * reach < 0.5 * near:
-            return self._rapid(place, angles)
-        up = np.array([0, 0, machine.lift])
-        # A turn lets the tip leave the straight way by so much.
-        is_far = not is_same_layer or distance > near or reach * turned**2 / 8 > machine.lift / 2
-        rows = self._draw_back()
-        high = top + machine.lift
-        if is_far:
-            rows += self._rapid(np.append(self._place[:2], high), self._angles)
-            rows += self._rapid(np.append(place[:2], high), angles)
-        else:
-            rows += self._rapid(self._place + up, self._angles)
-        return [*rows, *self._rapid(place + up, angles), *self._rapid(place, angles)]
-
-    def start(self):
-        """Filament that was drawn back comes again."""
-        return self._push()
-
-    def bead(self, places, angles, points, filament, feeds):
-        """Moves along a bead."""
-        rows, shown = [], points if self._is_tcp else places
-        for place, turned, amount, feed in zip(shown.tolist(), angles.tolist(), filament.tolist(), feeds.tolist(),
-                                               strict=True):  # fmt: skip
-            words = self._words(place, turned)
-            rows.append(f"{'G93 ' if self._is_timed else ''}G1 {words} {self._extruded(amount)} F{feed:.6g}")
-        if len(places):
-            self._place, self._angles = places[-1], angles[-1]
-        return rows
-
-    def finish(self, top):
-        """Away from the part, upright."""
-        rows = self._draw_back()
-        high = max(top, self._place[2]) + self._machine.lift
-        rows += self._rapid(np.append(self._place[:2], high), self._angles)
-        if self._machine.turns:
-            rows += self._rapid(np.append(self._place[:2], high), [0.0, self._angles[1]])
-        return [*rows, *(["G49"] if self._is_tcp else [])]
-
-    def _draw_back(self):
-        if not self._machine.retraction or self._drawn:
-            return []
-        self._drawn = True
-        return [f"{self._plain}G1 {self._extruded(-self._machine.retraction)} F{self._machine.retraction_feed:g}"]
-
-    def _push(self):
-        if not self._drawn:
-            return []
-        self._drawn = False
-        return [f"{self._plain}G1 {self._extruded(self._machine.retraction)} F{self._machine.retraction_feed:g}"]
-
-    def _rapid(self, place, angles, only=""):
-        """Lines of a travel, in several parts where the tip's place on the part is written and the table turns."""
-        angles = np.asarray(angles, float)
-        parts = 1
-        if self._is_tcp:
-            parts = max(1, int(np.ceil(np.abs(angles - self._angles).max(initial=0) / _TURN)))
-        rows = []
-        for share in np.arange(1, parts + 1) / parts:
-            here = self._place + share * (place - self._place)
-            turned = self._angles + share * (angles - self._angles)
-            shown = to_part(here[None], turned[None], self._machine)[0] if self._is_tcp else here
-            words = self._words(shown.tolist(), turned.tolist(), only)
-            rows.append(f"{self._plain}G0 {words} F{self._machine.travel_feed:g}")
-        self._place, self._angles = np.asarray(place, float), angles
-        return rows
-
-    def _words(self, place, angles, only=""):
-        x, y, z = place
-        height = f"Z{z:.4f}"
-        words = [height] if only else [f"X{x:.4f} Y{y:.4f}", *([height] if height != self._last_z else [])]
-        self._last_z = height
-        return " ".join(
-            [*words, *(f"{letter}{angle:.4f}" for letter, angle in zip(self._letters, angles, strict=True))]
-        )
-
-    def _extruded(self, amount):
-        """The E word; what rounding leaves out comes with the next one."""
-        self._total += amount
-        now = round(self._total, 5)
-        step, self._written = now - self._written, now
-        return f"E{now:.5f}" if self._machine.extrusion == "absolute" else f"E{step:.5f}"

@@ -71,32 +71,27 @@ def _close_rims(made):
 
 def _loops(edges):
     """Edges that hang together, in lists."""
-    left, loops = set(edges), []
-    while left:
-        loop, waiting = [], [left.pop()]
-        while waiting:
-            edge = waiting.pop()
-            loop.append(edge)
-            beside = {one for vertex in edge.verts for one in vertex.link_edges} & left
-            left -= beside
-            waiting += beside
-        loops.append(loop)
-    return loops
+    return _connected(edges, lambda edge: {one for vertex in edge.verts for one in vertex.link_edges})
 
 
 def _bodies(made):
     """Faces of each body, in lists."""
-    left, bodies = set(made.faces), []
+    return _connected(made.faces, lambda face: {one for edge in face.edges for one in edge.link_faces})
+
+
+def _connected(items, neighbours):
+    """Connected components of items, in lists; ``neighbours`` gives the set of items beside one."""
+    left, components = set(items), []
     while left:
-        body, waiting = [], [left.pop()]
+        component, waiting = [], [left.pop()]
         while waiting:
-            face = waiting.pop()
-            body.append(face)
-            beside = {one for edge in face.edges for one in edge.link_faces} & left
+            item = waiting.pop()
+            component.append(item)
+            beside = neighbours(item) & left
             left -= beside
             waiting += beside
-        bodies.append(body)
-    return bodies
+        components.append(component)
+    return components
 
 
 def _meeting(made, bodies):
@@ -128,17 +123,15 @@ def _unite(obj, bodies, meeting):
             part = bpy.data.objects.new("Body", data)
             bpy.context.scene.collection.objects.link(part)
             parts.append(part)
-        united_ones = [parts[number] for number in meeting]
-        first, *others = united_ones
+        first, *others = [parts[number] for number in meeting]
         for other in others:
             modifier = first.modifiers.new("Union", "BOOLEAN")
             modifier.operation, modifier.solver, modifier.object = "UNION", "EXACT", other
         graph = bpy.context.evaluated_depsgraph_get()
         united = bmesh.new()
         united.from_mesh(first.evaluated_get(graph).data)
-        for alone in parts:
-            if alone not in united_ones:
-                united.from_mesh(alone.data)
+        for number in np.setdiff1d(np.arange(len(parts)), meeting):
+            united.from_mesh(parts[number].data)
         bmesh.ops.triangulate(united, faces=united.faces[:])
         united.to_mesh(obj.data)
         faces = len(united.faces)
