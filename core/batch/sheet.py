@@ -6,7 +6,6 @@ import heapq
 import statistics
 from collections.abc import Iterable, Iterator
 from html import escape
-from os import PathLike
 from pathlib import Path
 
 from ..files.whole import write_whole
@@ -47,7 +46,7 @@ p.note { color: var(--dim) }
 """
 
 
-def write_sheet(path: str | PathLike[str], title: str, rows: Iterable[Planned], records: Records) -> None:
+def write_sheet(path: str | Path, title: str, rows: Iterable[Planned], records: Records) -> None:
     """Write the .html file of a batch; errors as :func:`..files.whole.write_whole`."""
     found = _Figures()
     kept = heapq.nlargest(_MOST, map(found.ranked, entries(rows, records)), key=lambda ranked: ranked[:2])

@@ -12,14 +12,17 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..connection import Connection, circle_transports
 from ..defects import wrap
 from ..errors import SettingError, name_elements
 from ..geometry.grid import Grid
 from ..geometry.surface import Surface
+from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import components
 from ..interpolate import TURN
+from ..monitor import Callback
 from ..problem import Merged, SynchronizationProblem
 from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
@@ -30,7 +33,7 @@ MOST_QUANTA = 0.5
 TINY = np.finfo(float).tiny
 
 
-def edge_integrals(grid, velocity):
+def edge_integrals(grid: Grid | Surface, velocity: ArrayLike) -> np.ndarray:
     """(e,) integral of a velocity along each edge, by the trapezoidal rule.
 
     Parameters
@@ -63,7 +66,7 @@ def edge_integrals(grid, velocity):
     return 0.5 * grid.spacing[axes] * (velocity[i, axes] + velocity[j, axes])
 
 
-def _surface_integrals(mesh, velocity):
+def _surface_integrals(mesh: TriangleMesh, velocity: np.ndarray) -> np.ndarray:
     """The same on a surface, where an edge lies at known angles in the tangent planes of both its ends."""
     if velocity.shape != mesh.vertices.shape:
         raise SettingError(
@@ -78,25 +81,25 @@ def _surface_integrals(mesh, velocity):
     return 0.5 * mesh.edge_lengths * (at_tail - at_head)
 
 
-def circulations(grid, integrals):
+def circulations(grid: Grid | Surface, integrals: np.ndarray) -> np.ndarray:
     """(f,) circulation around each face, which is the vorticity through it."""
     return sum(sign * integrals[edge] for sign, edge in zip(grid.face_signs.T, grid.face_edges.T, strict=True))
 
 
-def mean_circulation(grid, integrals):
+def mean_circulation(grid: Grid | Surface, integrals: np.ndarray) -> float:
     """Mean of the circulations around all faces that the flow reaches, whichever way."""
     reached = grid.face_signs.any(axis=1)
     return float(np.abs(circulations(grid, integrals)[reached]).mean())
 
 
-def faces_of_filament(grid, integrals, quantum):
+def faces_of_filament(grid: Grid | Surface, integrals: np.ndarray, quantum: float) -> float:
     """Faces that share the circulation of one filament, on average over the vorticity: few where cores are thin."""
     reached = grid.face_signs.any(axis=1)
     around = np.abs(circulations(grid, integrals)[reached])
     return float(quantum * around.sum() / (around**2).sum())
 
 
-def quantum_for(grid, integrals, count):
+def quantum_for(grid: Grid | Surface, integrals: np.ndarray, count: float) -> float:
     """The circulation h of one filament so that about ``count`` of them pass the plane with most vorticity.
 
     In two dimensions there is one plane. What passes it one way counts, the way in which more does.
@@ -112,13 +115,13 @@ def quantum_for(grid, integrals, count):
     return largest / count
 
 
-def layer_sums(grid, fluxes):
+def layer_sums(grid: Grid | Surface, fluxes: np.ndarray) -> float:
     """The largest sum of (f,) numbers through the faces of one plane that have the same sign."""
-    layers = grid.face_layers if grid.dimension == 3 else np.zeros(len(fluxes), int)
+    layers = grid.face_layers if isinstance(grid, Grid) and grid.dimension == 3 else np.zeros(len(fluxes), int)
     return max(np.bincount(layers, np.maximum(way, 0)).max(initial=0) for way in (fluxes, -fluxes))
 
 
-def clebsch_problem(grid, integrals, quantum):
+def clebsch_problem(grid: Grid | Surface, integrals: np.ndarray, quantum: float) -> SynchronizationProblem:
     """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13).
 
     Raises
@@ -140,7 +143,7 @@ def clebsch_problem(grid, integrals, quantum):
     return SynchronizationProblem(connection, grid.masses, _merge_seam_sides(grid))
 
 
-def _merge_seam_sides(grid):
+def _merge_seam_sides(grid: Grid | Surface) -> Merged | None:
     """The two sides of a one-sided surface's seam, where there is one: what a velocity makes of a phase has no side."""
     if not isinstance(grid, Surface) or grid.seam is None:
         return None
@@ -174,28 +177,34 @@ class ClebschMap:
     phases: np.ndarray
 
     @property
-    def energy(self):
+    def regular_grid(self) -> Grid:
+        """The grid of a map that is not on a surface."""
+        assert isinstance(self.grid, Grid)
+        return self.grid
+
+    @property
+    def energy(self) -> float:
         """Of the phases that are shown."""
         return self.problem.energy(self.phases)
 
-    def showing(self, phases):
+    def showing(self, phases: np.ndarray) -> "ClebschMap":
         """The map with other phases of the same problem."""
         return replace(self, phases=phases)
 
     @property
-    def lean(self):
+    def lean(self) -> "ClebschMap":
         """The map without what only its solve needs."""
         solution = replace(self.solution, lifted=None, variations=self.solution.phases[None])
         problem = clebsch_problem(self.grid, self.integrals, self.quantum)
         return replace(self, problem=problem, solution=solution)
 
     @cached_property
-    def vorticity(self):
+    def vorticity(self) -> float:
         """Of the flow through all faces, whichever way."""
         return float(np.abs(circulations(self.grid, self.integrals)).sum())
 
     @cached_property
-    def changes(self):
+    def changes(self) -> np.ndarray:
         """(e,) phase change along each edge, the nearest to what the flow asks for."""
         i, j = self.grid.edges.T
         asked = TURN / self.quantum * self.integrals
@@ -203,18 +212,18 @@ class ClebschMap:
         return asked + wrap(arguments[j] - arguments[i] - asked)
 
     @cached_property
-    def face_numbers(self):
+    def face_numbers(self) -> np.ndarray:
         """(f,) filaments through each face, counted with their direction; they cancel around every cell."""
         return np.rint(circulations(self.grid, self.changes) / TURN).astype(int)
 
     @cached_property
-    def face_shares(self):
+    def face_shares(self) -> np.ndarray:
         """(f,) what a filament that passes a face in the direction of its normal carries there of the flow's vorticity
         through all faces; negative where the flow's vorticity goes the other way."""
         return self.quantum * np.sign(circulations(self.grid, self.integrals)) / max(self.vorticity, TINY)
 
     @property
-    def vorticity_share(self):
+    def vorticity_share(self) -> float | None:
         """What of the flow's vorticity through all faces the filaments carry, less what they carry against it; None for
         a flow without any."""
         return float(self.face_numbers @ self.face_shares) if self.vorticity else None
@@ -238,13 +247,13 @@ class SphericalMap:
     seconds: float
 
     @cached_property
-    def sphere(self):
+    def sphere(self) -> np.ndarray:
         """(n, 3) unit vectors, the Hopf map: vortex tubes are where it goes around a point."""
         first, second = self.lifted.T
         both = 2 * first.conj() * second
         return np.column_stack([both.real, both.imag, np.abs(first) ** 2 - np.abs(second) ** 2])
 
-    def seen_from(self, point):
+    def seen_from(self, point: ArrayLike) -> ClebschMap:
         """The :class:`ClebschMap` whose filaments are where the map to S^2 meets the antipode of a unit vector."""
         x, y, z = np.asarray(point, float) / np.linalg.norm(point)
         # A pair of complex numbers that the Hopf map takes to the point: the projection is on it.
@@ -255,13 +264,13 @@ class SphericalMap:
         return self.found.showing(np.where(lengths > 0, values / np.where(lengths > 0, lengths, 1), 1))
 
     @cached_property
-    def face_areas(self):
+    def face_areas(self) -> np.ndarray:
         """(f,) signed area of S^2 that the map covers on each face, over 4 pi: vorticity through it, in quanta."""
         first, *others = np.moveaxis(self.sphere[self.found.grid.faces], 1, 0)
-        return sum(_solid_angles(first, b, c) for b, c in pairwise(others)) / (4 * np.pi)
+        return np.sum([_solid_angles(first, b, c) for b, c in pairwise(others)], axis=0) / (4 * np.pi)
 
 
-def spherical_map(found, callback=None):
+def spherical_map(found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
     """The :class:`SphericalMap` of a solved :class:`ClebschMap`: its relaxation at rank 2.
 
     It has what the map left of its time limit, and comes less far where that is short.
@@ -274,14 +283,21 @@ def spherical_map(found, callback=None):
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
-def _solid_angles(a, b, c):
+def _solid_angles(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """(k,) signed solid angles of spherical triangles of unit vectors (van Oosterom and Strackee 1983)."""
     volume = np.einsum("ij,ij->i", a, np.cross(b, c))
     dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
     return 2 * np.arctan2(volume, 1 + sum(dots))
 
 
-def clebsch_map(grid, integrals, quantum, options=None, callback=None, start=None):
+def clebsch_map(
+    grid: Grid | Surface,
+    integrals: np.ndarray,
+    quantum: float,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    start: Solution | None = None,
+) -> ClebschMap:
     """The :class:`ClebschMap` of a flow.
 
     Parameters

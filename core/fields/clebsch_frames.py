@@ -15,12 +15,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import dct, fft, idct, ifft
 
+from ..geometry.grid import Grid
 from ..interpolate import TURN
+from ..monitor import Callback
+from ..solve import Options
 from ..solve.lifted import lifted_of_rank
-from .clebsch import SphericalMap, clebsch_map
+from .clebsch import ClebschMap, SphericalMap, clebsch_map
 
 
-def following_map(before, integrals, options=None, callback=None):
+def following_map(
+    before: ClebschMap, integrals: np.ndarray, options: Options | None = None, callback: Callback | None = None
+) -> ClebschMap:
     """The :class:`ClebschMap` of the next frame of a flow, near the one before.
 
     Parameters
@@ -37,7 +42,7 @@ def following_map(before, integrals, options=None, callback=None):
     return found.showing(found.phases * (turn / abs(turn))) if turn != 0 else found
 
 
-def following_sphere(before, found, callback=None):
+def following_sphere(before: SphericalMap, found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
     """The :class:`SphericalMap` of the next frame, near the one before.
 
     Parameters
@@ -56,12 +61,12 @@ def following_sphere(before, found, callback=None):
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
-def advance_phases(before, integrals):
+def advance_phases(before: ClebschMap, integrals: np.ndarray) -> np.ndarray:
     """(n,) unit numbers that turn the phases of a map as the next frame's velocity asks, up to its vorticity."""
-    return np.exp(1j * potential(before.grid, TURN / before.quantum * (integrals - before.integrals)))
+    return np.exp(1j * potential(before.regular_grid, TURN / before.quantum * (integrals - before.integrals)))
 
 
-def potential(grid, differences):
+def potential(grid: Grid, differences: np.ndarray) -> np.ndarray:
     """(n,) numbers at the nodes of a :class:`Grid` whose differences along the edges are nearest to (e,) given ones.
 
     Poisson's equation with the grid's own weights and masses, which cosines, and waves along periodic axes, make

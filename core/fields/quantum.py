@@ -7,10 +7,12 @@ import numpy as np
 
 from ..errors import MeshError
 from ..geometry.grid import Grid
-from ..monitor import Monitor
+from ..geometry.surface import Surface
+from ..monitor import Callback, Monitor
 from ..solve import Options
 from .clebsch import (
     MOST_QUANTA,
+    ClebschMap,
     circulations,
     clebsch_map,
     edge_integrals,
@@ -27,7 +29,15 @@ COARSE_NODES, FINE_NODES = 5_000, 40_000
 MARGIN = 0.03
 
 
-def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callback=None):
+def find_quantum(
+    grid: Grid | Surface,
+    integrals: np.ndarray,
+    share: float,
+    count: float | None = None,
+    largest: float | None = None,
+    seed: int = 0,
+    callback: Callback | None = None,
+) -> float:
     """The largest circulation of a filament with which the filaments carry a share of the vorticity.
 
     Parameters
@@ -64,7 +74,7 @@ def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callb
     return max(quantum, _rounded(least_quantum(grid, integrals)))
 
 
-def shows_enough(found, share, count=None):
+def shows_enough(found: ClebschMap, share: float, count: float | None = None) -> bool:
     """Whether the filaments of a :class:`ClebschMap` carry a share of the vorticity, or, if a count is given, whether
     so many of them pass one plane of the grid one way."""
     if count is None:
@@ -72,17 +82,17 @@ def shows_enough(found, share, count=None):
     return layer_sums(found.grid, found.face_numbers) >= count
 
 
-def least_quantum(grid, integrals):
+def least_quantum(grid: Grid | Surface, integrals: np.ndarray) -> float:
     """The circulation below which phases can hardly tell the filaments that pass a face apart."""
     return 2 * mean_circulation(grid, integrals) / MOST_QUANTA
 
 
-def _rounded(quantum):
+def _rounded(quantum: float) -> float:
     """To three digits, as messages name it."""
     return float(f"{quantum:.3g}")
 
 
-def sampling_noise(grid, velocity):
+def sampling_noise(grid: Grid, velocity: np.ndarray) -> float | None:
     """How much circulations around blocks of two by two faces change where every other node is left out, as a share of
     them: near 0 for vorticity that the grid resolves, 1 where velocities are noise, and 3 where there is no vorticity
     and the trapezoidal rule makes what is found, as its error grows by four.
@@ -109,7 +119,7 @@ def sampling_noise(grid, velocity):
     return None
 
 
-def _levels(grid, integrals):
+def _levels(grid: Grid | Surface, integrals: np.ndarray) -> list[tuple[Grid | Surface, np.ndarray]]:
     """The flow on grids that get coarser, as many as the search goes over."""
     levels = [(grid, integrals)]
     with suppress(MeshError):  # obstacles leave no cell of a coarser grid open
@@ -119,7 +129,7 @@ def _levels(grid, integrals):
     return [level for level in levels[:-1] if level[0].node_count <= FINE_NODES] + levels[-1:]
 
 
-def halved(grid, integrals):
+def halved(grid: Grid, integrals: np.ndarray) -> tuple[Grid, np.ndarray]:
     """A :class:`Grid` of every other node, and the integrals along its edges, which are sums of two.
 
     Circulations around its faces are those of the four faces in each. The last nodes of an open axis with an even

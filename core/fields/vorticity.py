@@ -7,13 +7,17 @@ curl is nearest to w is u = conj(l) x w / |l|^2. A potential's gradient, and a u
 no vorticity: they stay unknown, and filaments do not depend on the first.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.fft import dct, dst, fft, idct, idst, ifft
 
 from ..errors import SettingError
+from ..geometry.grid import Grid
 
 
-def vorticity_integrals(grid, vorticity):
+def vorticity_integrals(grid: Grid, vorticity: ArrayLike) -> np.ndarray:
     """(e,) integrals along the edges of a velocity with a given vorticity.
 
     Parameters
@@ -35,12 +39,13 @@ def vorticity_integrals(grid, vorticity):
     return edges_of_faces(grid, fluxes)
 
 
-def edges_of_faces(grid, densities):
+def edges_of_faces(grid: Grid, densities: Sequence[np.ndarray]) -> np.ndarray:
     """(e,) integrals of the velocity whose circulations, over the faces' areas, are nearest to given arrays, of the
     shape of the faces along each of the three normals."""
     waves = [_to_waves(grid, values, {0, 1, 2} - {normal}) for normal, values in enumerate(densities)]
     steps = [_multipliers(grid, axis) for axis in range(3)]
-    size = sum(np.abs(step) ** 2 for step in steps)
+    along_x, along_y, along_z = (np.abs(step) ** 2 for step in steps)
+    size = along_x + along_y + along_z
     size[0, 0, 0] = np.inf
     parts = []
     for axis in range(3):
@@ -50,7 +55,7 @@ def edges_of_faces(grid, densities):
     return np.concatenate(parts)
 
 
-def _face_means(grid, values, normal):
+def _face_means(grid: Grid, values: np.ndarray, normal: int) -> np.ndarray:
     """Means of the values at the four corners of each face across an axis."""
     for axis in {0, 1, 2} - {normal}:
         after = np.roll(values, -1, axis=axis)
@@ -60,7 +65,7 @@ def _face_means(grid, values, normal):
     return values
 
 
-def _multipliers(grid, axis):
+def _multipliers(grid: Grid, axis: int) -> np.ndarray:
     """What differences along an axis multiply waves by, over the spacing, as an array along that axis."""
     count = grid.shape[axis]
     turn = np.arange(count) * (2 * np.pi / count if grid.periodic[axis] else np.pi / (count - 1))
@@ -68,7 +73,7 @@ def _multipliers(grid, axis):
     return (steps / grid.spacing[axis]).reshape([-1 if axis == other else 1 for other in range(3)])
 
 
-def _to_waves(grid, values, between):
+def _to_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
     """Coefficients of an array; along the axes ``between`` its values lie between the nodes."""
     for axis in range(3):
         if grid.periodic[axis]:
@@ -80,7 +85,7 @@ def _to_waves(grid, values, between):
     return values
 
 
-def _from_waves(grid, values, between):
+def _from_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
     """The inverse of :func:`_to_waves`."""
     for axis in range(3):
         if grid.periodic[axis]:

@@ -10,12 +10,14 @@ import math
 import re
 import struct
 import zlib
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tokenize import TokenError
 from zipfile import BadZipFile
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..errors import MeshError, SettingError, SynchError
 from ..memory import check_memory
@@ -37,7 +39,7 @@ _LARGEST_WHOLE = 2**53
 
 
 @contextmanager
-def border(source, remedy="export it again"):
+def border(source: str | Path, remedy: str = "export it again") -> Iterator[None]:
     """Turn what damaged data raises inside into one line that names its source and a remedy.
 
     Parameters
@@ -74,23 +76,23 @@ def border(source, remedy="export it again"):
     raise refused from cause
 
 
-def check_promise(path, size):
+def check_promise(path: str | Path, size: int) -> None:
     """Refuse so many bytes that a file promises where memory does not hold them, before they are allocated."""
     check_memory(size, str(path), reserved=1.0)
 
 
-def read_bytes(path, each=1):
+def read_bytes(path: str | Path, each: int = 1) -> bytes:
     """The bytes of a file, refused before they are read where memory does not hold ``each`` times as many."""
     check_promise(path, each * Path(path).stat().st_size)
     return Path(path).read_bytes()
 
 
-def read_text(path, each=TEXT_BYTES, encoding="utf-8"):
+def read_text(path: str | Path, each: int = TEXT_BYTES, encoding: str = "utf-8") -> str:
     """The text of a file, as :func:`read_bytes` reads its bytes."""
     return read_bytes(path, each).decode(encoding)
 
 
-def text_numbers(text, dtype=float):
+def text_numbers(text: str, dtype: DTypeLike = float) -> np.ndarray:
     """(n,) numbers of a text, made a part at a time so that they take no more memory than the text.
 
     Raises
@@ -107,7 +109,7 @@ def text_numbers(text, dtype=float):
     return np.concatenate(parts) if parts else np.empty(0, dtype)
 
 
-def whole_numbers(values):
+def whole_numbers(values: np.ndarray) -> np.ndarray:
     """The same numbers as int64; ValueError for one that is not whole, or that a double cannot tell from others."""
     if values.dtype.kind != "f":
         return values.astype(np.int64)
@@ -117,7 +119,7 @@ def whole_numbers(values):
     return values.astype(np.int64)
 
 
-def array_bytes(shape, dtype):
+def array_bytes(shape: tuple[int, ...], dtype: np.dtype) -> int:
     """Bytes of an array; ValueError for a shape that no array has."""
     if any(length < 0 for length in shape) or dtype.hasobject:
         raise ValueError(f"an array of shape {shape} and type {dtype}")

@@ -9,7 +9,7 @@ import numpy as np
 DIGITS, MOST_DIGITS = 9, 17
 
 
-def number_format(points):
+def number_format(points: np.ndarray) -> str:
     """The format of coordinates, such as "%.9g": their steps are a billionth of the points' extent or less.
 
     Parameters

@@ -12,15 +12,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SettingError
 from ..fields.guidance.face_directions import average_in_faces, face_frames
-from ..fields.guidance.guides import face_guide
+from ..fields.guidance.guides import Guide, face_guide
+from ..geometry import TriangleMesh
 from .border import border, check_promise, read_text
 from .whole import write_whole
 
 SUFFIXES = (".rawfield", ".rosy")
-
+# Number and text of a line.
+_Line = tuple[int, str]
 # Memory that a line of a file takes beside its text while it is read, and rows whose words are read at once.
 _LINE_BYTES, _ROWS_AT_ONCE = 200, 4096
 # Vectors of a set that miss equal turns by more than this (as a cosine) cannot be told by one of them.
@@ -45,7 +48,7 @@ class FaceField:
     symmetry: int
     vectors: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         shape = np.shape(self.vectors)
         if self.symmetry < 1 or len(shape) != 3 or shape[1] not in (1, self.symmetry) or shape[2] != 3:
             raise SettingError(
@@ -54,7 +57,7 @@ class FaceField:
             )
 
 
-def read_field(path):
+def read_field(path: str | Path) -> FaceField:
     """The field in a ``.rawfield`` or ``.rosy`` file, which the suffix tells apart.
 
     Raises
@@ -79,7 +82,7 @@ def read_field(path):
         return FaceField(symmetry, _numbers(path, rows, 3 * width).reshape(count, width, 3))
 
 
-def write_field(path, face_field):
+def write_field(path: str | Path, face_field: FaceField) -> None:
     """Write a field as ``.rawfield`` or ``.rosy``, by the suffix; numbers keep all their digits.
 
     Raises
@@ -104,7 +107,7 @@ def write_field(path, face_field):
         np.savetxt(made, rows, fmt="%.17g", header=header, comments="")
 
 
-def to_vertices(mesh, face_field):
+def to_vertices(mesh: TriangleMesh, face_field: FaceField) -> Guide:
     """A guide from a field on faces.
 
     The vectors of a face are replaced by the N equal turns that are nearest to their directions, and powers of
@@ -142,7 +145,7 @@ def to_vertices(mesh, face_field):
     return face_guide(mesh, np.where(defined, mesh.areas * sizes * powers, 0), face_field.symmetry)
 
 
-def from_vertices(mesh, symmetry, angles):
+def from_vertices(mesh: TriangleMesh, symmetry: int, angles: ArrayLike) -> FaceField:
     """Unit vectors on faces from directions at vertices: the mean of the three corners' powers.
 
     Parameters
@@ -161,7 +164,7 @@ def from_vertices(mesh, symmetry, angles):
     return FaceField(symmetry, np.cos(turns)[..., None] * x[:, None] + np.sin(turns)[..., None] * y[:, None])
 
 
-def _nearest_star(tangent, lengths):
+def _nearest_star(tangent: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first arm of the equal turns nearest to (m, k) complex vectors, and where all of them have a direction.
 
     Counterclockwise, the k-th vector turned back by k / N should be the first: the mean of these is the least-squares
@@ -175,26 +178,26 @@ def _nearest_star(tangent, lengths):
     return (ordered * np.exp(-2j * np.pi / count * np.arange(count))).mean(axis=1), defined
 
 
-def _known_suffix(path):
+def _known_suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise SettingError(f"{path} is no known field file: use the suffix .rawfield or .rosy")
     return suffix
 
 
-def _raw_header(path, lines):
+def _raw_header(path: Path, lines: list[_Line]) -> tuple[int, int, int, list[_Line]]:
     symmetry, count = _whole_numbers(path, lines[:1], 2, 'start with "N faces"')
     return symmetry, count, symmetry, lines[1:]
 
 
-def _rosy_header(path, lines):
+def _rosy_header(path: Path, lines: list[_Line]) -> tuple[int, int, int, list[_Line]]:
     wanted = "start with a line for the number of faces and a line for N"
     (count,) = _whole_numbers(path, lines[:1], 1, wanted)
     (symmetry,) = _whole_numbers(path, lines[1:2], 1, wanted)
     return symmetry, count, 1, lines[2:]
 
 
-def _whole_numbers(path, lines, wanted, remedy):
+def _whole_numbers(path: Path, lines: list[_Line], wanted: int, remedy: str) -> list[int]:
     if not lines:
         raise SettingError(f"{path} ends before its header: {remedy}")
     number, line = lines[0]
@@ -204,7 +207,7 @@ def _whole_numbers(path, lines, wanted, remedy):
     return [int(word) for word in words]
 
 
-def _numbers(path, rows, width):
+def _numbers(path: Path, rows: list[_Line], width: int) -> np.ndarray:
     """(rows, width) finite floats; the words of a part of the rows at once."""
     parts = []
     for first in range(0, len(rows), _ROWS_AT_ONCE):
@@ -227,14 +230,14 @@ def _numbers(path, rows, width):
     return np.concatenate(parts)
 
 
-def _number(word):
+def _number(word: str) -> float:
     try:
         return float(word)
     except ValueError:
         return np.nan
 
 
-def _refuse_unequal(path, face_field):
+def _refuse_unequal(path: Path, face_field: FaceField) -> None:
     """One vector stands for all only if they are equal turns of each other."""
     vectors = face_field.vectors
     lengths = np.linalg.norm(vectors, axis=2)

@@ -7,11 +7,15 @@ a segment is a face of two corners: so both pyvista and meshio read them (meshio
 it takes the points).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 
+from ..extract.vortices.filaments import Filament
+from ..extract.vortices.linking_numbers import Linked
+from ..extract.vortices.tubes import Tubes
 from .digits import DIGITS, number_format
 
 # Of each filament, in the order of the columns: what it is called, and its kind in VTK.
@@ -47,11 +51,11 @@ class VortexShape:
     points: np.ndarray
     cells: list[list[int]]
     are_lines: bool
-    values: dict[tuple[str, str], list] = field(default_factory=dict)
+    values: dict[tuple[str, str], list[float]] = field(default_factory=dict)
     colors: np.ndarray | None = None
 
     @property
-    def segments(self):
+    def segments(self) -> "VortexShape":
         """The same with each segment of a filament as a cell of its own, with the number of the filament."""
         if not self.are_lines:
             return self
@@ -62,7 +66,7 @@ class VortexShape:
         return VortexShape(self.points, pairs, True, values, self.colors)
 
 
-def filament_shape(lines, winding):
+def filament_shape(lines: Sequence[Filament], winding: Linked | None) -> VortexShape:
     """The :class:`VortexShape` of filaments.
 
     Parameters
@@ -77,12 +81,12 @@ def filament_shape(lines, winding):
     return VortexShape(_points(lines), cells, True, values)
 
 
-def tube_shape(tubes):
+def tube_shape(tubes: Tubes) -> VortexShape:
     """The :class:`VortexShape` of :class:`Tubes`, in the colours of the sphere."""
     return VortexShape(tubes.vertices, tubes.triangles.tolist(), False, {}, 0.5 + 0.5 * tubes.sphere)
 
 
-def table_of(lines, winding):
+def table_of(lines: Sequence[Filament], winding: Linked | None) -> str:
     """Text of a .csv file, a row for each point; parameters as :func:`filament_shape`."""
     rows = ["filament,x,y,z," + ",".join(name for name, _ in _VALUES)]
     form = ",".join(3 * [number_format(_points(lines))] + len(_VALUES) * [_FORM])
@@ -91,7 +95,7 @@ def table_of(lines, winding):
     return "\n".join(rows) + "\n"
 
 
-def polydata_of(shape):
+def polydata_of(shape: VortexShape) -> str:
     """Text of a .vtp file of a :class:`VortexShape`."""
     name, count = ("Lines" if shape.are_lines else "Polys"), len(shape.cells)
     lines, polygons = (count, 0) if shape.are_lines else (0, count)
@@ -118,7 +122,7 @@ def polydata_of(shape):
     return "\n".join([*parts, "</CellData></Piece></PolyData></VTKFile>"]) + "\n"
 
 
-def legacy_of(shape):
+def legacy_of(shape: VortexShape) -> str:
     """Text of a .vtk file, the same in VTK's older form."""
     shape = shape.segments
     count, kind = len(shape.cells), _SEGMENT if shape.are_lines else _TRIANGLE
@@ -144,7 +148,7 @@ def legacy_of(shape):
     return "\n".join(parts) + "\n"
 
 
-def ply_of(shape):
+def ply_of(shape: VortexShape) -> str:
     """Text of a .ply file; each piece of a filament is a face of two corners."""
     cells = shape.segments.cells
     places = _rows(shape.points)
@@ -161,14 +165,14 @@ def ply_of(shape):
     return "\n".join(parts) + "\n"
 
 
-def obj_of(shape):
+def obj_of(shape: VortexShape) -> str:
     """Text of an .obj file, an element for each cell."""
     kind = "l" if shape.are_lines else "f"
     cells = (" ".join([kind, *(str(1 + number) for number in cell)]) for cell in shape.cells)
     return "\n".join([*(f"v {row}" for row in _rows(shape.points)), *cells]) + "\n"
 
 
-def _values(lines, winding):
+def _values(lines: Sequence[Filament], winding: Linked | None) -> list[tuple[float, ...]]:
     """List of the values of each filament; nan for a writhe that is not known."""
     writhes = np.full(len(lines), np.nan) if winding is None else winding.all_writhes
     return [
@@ -177,23 +181,23 @@ def _values(lines, winding):
     ]
 
 
-def _points(lines):
+def _points(lines: Sequence[Filament]) -> np.ndarray:
     """(n, 3) points of all filaments."""
     return np.vstack([np.empty((0, 3)), *(line.whole for line in lines)])
 
 
-def _rows(points):
+def _rows(points: np.ndarray) -> list[str]:
     """A row of text for each point."""
     form = " ".join(3 * [number_format(points)])
     return [form % tuple(point) for point in points]
 
 
-def _bytes(colors):
+def _bytes(colors: np.ndarray) -> list[str]:
     """A row of text for each colour, in whole numbers up to 255."""
     return [" ".join(map(str, color)) for color in np.rint(255 * np.clip(colors, 0, 1)).astype(int).tolist()]
 
 
-def _row(values):
+def _row(values: Sequence[float]) -> str:
     return " ".join(_FORM % value for value in values)
 
 

@@ -9,10 +9,13 @@ lengths tell otherwise. Flows on other meshes of VTK are sampled on a grid, wher
 import importlib
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from scipy.io import netcdf_file
@@ -55,15 +58,15 @@ class GridFlow:
     warnings: tuple[str, ...] = ()
 
     @property
-    def noise(self):
+    def noise(self) -> float | None:
         """As :func:`sampling_noise` has it."""
         return None if self.is_vorticity else sampling_noise(self.own, self.velocity)
 
-    def grid(self, _resolution):
+    def grid(self, _resolution: int) -> Grid:
         """The flow's own grid."""
         return self.own
 
-    def integrals(self, grid):
+    def integrals(self, grid: Grid) -> np.ndarray:
         """(e,) of the velocity along the grid's edges."""
         return vorticity_integrals(grid, self.velocity) if self.is_vorticity else edge_integrals(grid, self.velocity)
 
@@ -86,13 +89,13 @@ class SampledFlow:
     warnings: tuple[str, ...] = ()
     noise = None
 
-    def grid(self, resolution):
+    def grid(self, resolution: int) -> Grid:
         """A grid with so many nodes along its longest side, solid outside the mesh."""
         grid = box_grid(self.low, self.high, resolution)
         outside = np.isnan(self.sample(grid.places)).any(axis=1).reshape(grid.shape)
         return Grid(grid.shape, grid.spacing, grid.origin, solid=outside)
 
-    def integrals(self, grid):
+    def integrals(self, grid: Grid) -> np.ndarray:
         """(e,) of the velocity along the grid's edges."""
         flow = GridFlow(grid, np.nan_to_num(self.sample(grid.places)), self.is_vorticity)
         return flow.integrals(grid)
@@ -112,11 +115,11 @@ class OtherFile:
     attribute: str
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Of the file."""
         return self.path.name
 
-    def read(self):
+    def read(self) -> GridFlow | SampledFlow:
         """The :class:`GridFlow` or :class:`SampledFlow`.
 
         Raises
@@ -136,24 +139,24 @@ class OtherFile:
 # Images of VTK
 
 
-def _read_image(path, attribute):
+def _read_image(path: Path, attribute: str) -> GridFlow:
     root, appended = vtu_root(path, read_bytes(path, TEXT_BYTES), "ImageData")
-    image = root.find("ImageData")
+    image = next(root.iter("ImageData"))
     pieces = list(image.iter("Piece"))
     if len(pieces) != 1:
         raise SettingError(f"it has {len(pieces)} pieces: save it as one")
-    extent = np.array(_numbers(image, "WholeExtent", 6), int)
-    if pieces[0].get("Extent") is not None and (np.array(_numbers(pieces[0], "Extent", 6), int) != extent).any():
+    extent = _numbers(image, "WholeExtent", 6).astype(int)
+    if pieces[0].get("Extent") is not None and (_numbers(pieces[0], "Extent", 6) != extent).any():
         raise SettingError("its piece is not the whole: save it as one")
-    turn = np.array(_numbers(image, "Direction", 9, (1, 0, 0, 0, 1, 0, 0, 0, 1))).reshape(3, 3)
+    turn = _numbers(image, "Direction", 9, (1, 0, 0, 0, 1, 0, 0, 0, 1)).reshape(3, 3)
     if not np.allclose(turn, np.eye(3)):
         raise SettingError("its axes are turned: resample it along x, y and z")
-    spacing = np.array(_numbers(image, "Spacing", 3, (1, 1, 1)))
+    spacing = _numbers(image, "Spacing", 3, (1, 1, 1))
     first, shape = extent[::2], extent[1::2] - extent[::2] + 1
     kind = "PointData"
     if not pieces[0].findall("PointData/DataArray"):  # cells, whose middles are a grid of their own
         kind, shape = "CellData", shape - 1
-    origin = np.array(_numbers(image, "Origin", 3, (0, 0, 0))) + (first + 0.5 * (kind == "CellData")) * spacing
+    origin = _numbers(image, "Origin", 3, (0, 0, 0)) + (first + 0.5 * (kind == "CellData")) * spacing
     if (shape < 1).any():
         raise SettingError(f"its extent is {extent.tolist()}: export a flow in space")
     count = math.prod(shape.tolist())
@@ -172,16 +175,24 @@ def _read_image(path, attribute):
     return _grid_flow(vectors, spacing, origin, {n: arrays[n][..., 0] for n in extra}, is_curl, warnings)
 
 
-def _numbers(element, name, count, default=None):
+def _numbers(element: Element, name: str, count: int, default: Sequence[float] | None = None) -> np.ndarray:
     """So many finite numbers of an attribute of XML."""
     text = element.get(name)
-    numbers = default if text is None and default is not None else [float(word) for word in (text or "").split()]
+    words = default if text is None and default is not None else (text or "").split()
+    numbers = np.array([float(word) for word in words])
     if len(numbers) != count or not np.isfinite(numbers).all():
         raise SettingError(f"its {name} is {text!r}: give {count} numbers")
     return numbers
 
 
-def _grid_flow(vectors, spacing, origin, extra, is_curl, warnings):
+def _grid_flow(
+    vectors: np.ndarray,
+    spacing: Sequence[float] | np.ndarray,
+    origin: Sequence[float] | np.ndarray,
+    extra: dict[str, np.ndarray],
+    is_curl: bool,
+    warnings: tuple[str, ...],
+) -> GridFlow:
     """The :class:`GridFlow` of (nx, ny, nz, 3) vectors; nodes in obstacles, outside masks and without numbers are
     solid."""
     solid = ~np.isfinite(vectors).all(axis=3)
@@ -194,7 +205,7 @@ def _grid_flow(vectors, spacing, origin, extra, is_curl, warnings):
 # NetCDF and HDF5
 
 
-def _read_arrays(path, attribute):
+def _read_arrays(path: Path, attribute: str) -> GridFlow:
     with ExitStack() as stack:
         with path.open("rb") as head:
             is_classic = head.read(3) == b"CDF"
@@ -214,12 +225,12 @@ def _read_arrays(path, attribute):
         return _flow_of_arrays(path, arrays, attribute)
 
 
-def _bare(name):
+def _bare(name: str) -> str:
     """The name of an array without its groups and the number of a frame."""
     return re.sub(r"[_-]?\d+$", "", name.rsplit("/", 1)[-1]) or name
 
 
-def _flow_of_arrays(path, arrays, attribute):
+def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridFlow:
     vectors = [n for n, a in arrays.items() if len(a.shape) in (4, 5) and a.shape[-1] == 3]
     numbers = [n for n, a in arrays.items() if len(a.shape) in (3, 4) and n not in vectors]
     chosen, is_curl, warnings = choose_flow(path, vectors, numbers, attribute)
@@ -248,7 +259,7 @@ def _flow_of_arrays(path, arrays, attribute):
     return _evened(field, places, extras, is_curl, warnings)
 
 
-def _values(array, leading):
+def _values(array: Any, leading: int) -> np.ndarray:
     """The numbers of the first time step of an array, nan where it has none."""
     values = array[(0,) * leading] if leading else array[:]
     scale = getattr(array, "attrs", {})
@@ -259,7 +270,7 @@ def _values(array, leading):
     return values * np.ravel(scale.get("scale_factor", 1.0))[0] + np.ravel(scale.get("add_offset", 0.0))[0]
 
 
-def _axis(arrays, names):
+def _axis(arrays: dict[str, Any], names: Sequence[str]) -> np.ndarray | None:
     """The coordinates along an axis, None where the file has none."""
     for name, array in arrays.items():
         if name.lower() in names and len(array.shape) == 1:
@@ -267,7 +278,9 @@ def _axis(arrays, names):
     return None
 
 
-def _evened(field, places, extra, is_curl, warnings):
+def _evened(
+    field: np.ndarray, places: list[np.ndarray], extra: dict[str, np.ndarray], is_curl: bool, warnings: tuple[str, ...]
+) -> GridFlow:
     """The :class:`GridFlow` of values at coordinates along each axis, which get even where they are not."""
     for axis, along in enumerate(places):
         steps = np.diff(along)
@@ -291,7 +304,7 @@ def _evened(field, places, extra, is_curl, warnings):
 # Meshes of VTK
 
 
-def _read_mesh(path, attribute):
+def _read_mesh(path: Path, attribute: str) -> GridFlow | SampledFlow:
     with at_most(SOUND_BYTES + SOUND_RATIO * path.stat().st_size):
         try:
             pyvista = importlib.import_module("pyvista")
@@ -300,7 +313,7 @@ def _read_mesh(path, attribute):
         return _by_pyvista(pyvista, path, attribute)
 
 
-def _by_pyvista(pyvista, path, attribute):
+def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | SampledFlow:
     mesh = pyvista.read(path)
     if not hasattr(mesh, "point_data"):
         raise SettingError("it has several blocks: save one of them")
@@ -319,7 +332,7 @@ def _by_pyvista(pyvista, path, attribute):
         }
         return _evened(field, axes, extra, is_curl, warnings)
 
-    def sample(places):
+    def sample(places: np.ndarray) -> np.ndarray:
         found = pyvista.PolyData(places).sample(mesh)
         values = np.column_stack([np.asarray(found.point_data[name]) for name in chosen]).astype(float)
         values[np.asarray(found.point_data["vtkValidPointMask"]) == 0] = np.nan
@@ -329,7 +342,7 @@ def _by_pyvista(pyvista, path, attribute):
     return SampledFlow(low, high, sample, is_curl, warnings)
 
 
-def _by_meshio(path, attribute):
+def _by_meshio(path: Path, attribute: str) -> SampledFlow:
     meshio = _library("meshio", f"{path.suffix} is")
     from scipy.interpolate import LinearNDInterpolator
 
@@ -344,7 +357,7 @@ def _by_meshio(path, attribute):
     return SampledFlow(points.min(axis=0), points.max(axis=0), sample, is_curl, warnings)
 
 
-def _vectors(path, data, attribute):
+def _vectors(path: Path, data: Any, attribute: str) -> tuple[tuple[str, ...], np.ndarray, bool, tuple[str, ...]]:
     """Names of the chosen arrays of a mesh's points, their (n, 3) numbers, and the rest of :func:`choose_flow`."""
     arrays = {name: np.asarray(data[name]) for name in data.keys()}
     whole = [n for n, a in arrays.items() if a.ndim == 2 and a.shape[1] == 3]
@@ -353,7 +366,7 @@ def _vectors(path, data, attribute):
     return chosen, np.column_stack([arrays[name] for name in chosen]).astype(float), is_curl, warnings
 
 
-def _library(name, what):
+def _library(name: str, what: str) -> ModuleType:
     """An optional module."""
     try:
         return importlib.import_module(name)

@@ -31,7 +31,9 @@ _PLACES = {
 SOLID, VORTICITY = "solid", "vorticity"
 
 
-def flow_file(path, attribute=VELOCITY, module=None):
+def flow_file(
+    path: str | Path, attribute: str = VELOCITY, module: str | None = None
+) -> "ArrayFile | VolumeFile | OtherFile":
     """The :class:`ArrayFile`, :class:`VolumeFile` or :class:`OtherFile` of a path; see those for the rest.
 
     Raises
@@ -66,12 +68,12 @@ class ArrayFile:
     path: Path
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Of the file."""
         return self.path.name
 
     @property
-    def is_plane(self):
+    def is_plane(self) -> bool:
         """Whether the velocity has the shape of one in a plane, as its header says; False where that cannot be read."""
         try:
             with border(self.path), ZipFile(self.path) as archive:
@@ -79,7 +81,7 @@ class ArrayFile:
         except (SettingError, KeyError):
             return False
 
-    def read(self):
+    def read(self) -> GridFlow:
         """The :class:`GridFlow`.
 
         Raises
@@ -94,7 +96,7 @@ class ArrayFile:
         grid = Grid(velocity.shape[:-1], **{name: arrays[name] for name in (*_PLACES, SOLID) if name in arrays})
         return GridFlow(grid, np.where(grid.solid[..., None], 0, velocity).reshape(-1, velocity.shape[-1]), is_curl)
 
-    def _arrays(self):
+    def _arrays(self) -> dict[str, np.ndarray]:
         """The arrays of a flow by their names; nothing is read before the headers of all of them are sound."""
         with self.path.open("rb") as file:
             if file.read(len(np.lib.format.MAGIC_PREFIX)) == np.lib.format.MAGIC_PREFIX:
@@ -124,7 +126,7 @@ class _Header(NamedTuple):
     dtype: np.dtype
 
 
-def _headers(archive):
+def _headers(archive: ZipFile) -> dict[str, _Header]:
     """The :class:`_Header` of each array of an archive that a flow has, by its name."""
     members, found = archive.namelist(), {}
     vectors = VELOCITY if f"{VELOCITY}.npy" in members else VORTICITY
@@ -147,7 +149,7 @@ def _headers(archive):
     return found
 
 
-def _check_headers(headers):
+def _check_headers(headers: dict[str, _Header]) -> None:
     """Refuse arrays of shapes and types that no flow has."""
     vectors = VELOCITY if VELOCITY in headers else VORTICITY
     shape, dtype = headers[vectors]
@@ -166,6 +168,6 @@ def _check_headers(headers):
         raise SettingError(f"{SOLID} has {has}: give true or false for each node of the velocity")
 
 
-def _read_member(archive, name):
+def _read_member(archive: ZipFile, name: str) -> np.ndarray:
     with archive.open(f"{name}.npy") as file:
         return np.lib.format.read_array(file, allow_pickle=False)

@@ -4,6 +4,8 @@
 import json
 import math
 from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +15,12 @@ from .border import border
 NUMBER = (int, float)
 
 
-def json_text(value, indent=None):
+def json_text(value: object, indent: int | None = None) -> str:
     """A report as JSON; see :func:`plain`."""
     return json.dumps(plain(value), indent=indent, allow_nan=False)
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """The same of what JSON has: numbers and arrays of NumPy become Python's, and numbers that are not finite None."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
@@ -29,7 +31,7 @@ def plain(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def read_kept_dict(text, source, kinds):
+def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any, Any]]) -> dict[str, Any]:
     """A dict that a property of an object or a file has kept as JSON, checked, since others can write there.
 
     Parameters
@@ -62,7 +64,7 @@ def read_kept_dict(text, source, kinds):
         return found
 
 
-def read_kept_names(text, source):
+def read_kept_names(text: str, source: str | Path) -> list[str]:
     """A list of names that a property has kept as JSON; [] for ""; errors as :func:`read_kept_dict`."""
     if not text:
         return []
@@ -72,7 +74,7 @@ def read_kept_names(text, source):
         return names
 
 
-def _check(value, kind, name):
+def _check(value: Any, kind: Any, name: str) -> None:
     """Refuse a value of another kind."""
     if isinstance(kind, dict):
         right = isinstance(value, dict)

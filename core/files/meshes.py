@@ -25,7 +25,7 @@ _GLB_HEADER, _GLB_BYTES = 20, 16
 _GLB_TYPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
-def is_whole(path, vertices, faces):
+def is_whole(path: Path, vertices: int, faces: int) -> bool:
     """Whether a mesh file of so many vertices and faces is complete; an .stl has triangles, their number in itself."""
     content = Path(path).read_bytes()
     if path.suffix.lower() == ".stl":
@@ -37,7 +37,7 @@ def is_whole(path, vertices, faces):
     return content.endswith(b"\n") and lines.count(b"\nv ") == vertices and lines.count(b"\nf ") == faces
 
 
-def _is_whole_ply(content):
+def _is_whole_ply(content: bytes) -> bool:
     """Whether a binary file, little end first, is as long as its header says."""
     try:
         kind, elements, body = _ply_header(content)
@@ -51,7 +51,7 @@ def _is_whole_ply(content):
     return place == len(body)
 
 
-def check_ply(path):
+def check_ply(path: str | Path) -> None:
     """Refuse a .ply file whose header no reader survives, Blender's importer among them.
 
     Raises
@@ -71,7 +71,7 @@ def check_ply(path):
         raise SettingError(f"{path} promises more than {len(content)} bytes hold: it was cut short, export it again")
 
 
-def check_glb(path):
+def check_glb(path: str | Path) -> None:
     """Refuse a .glb file whose accessors promise more than memory holds; errors as :func:`check_ply`."""
     with border(path):
         content = read_bytes(path)
@@ -85,7 +85,7 @@ def check_glb(path):
         check_promise(path, _GLB_BYTES * promised)
 
 
-def _ply_header(content):
+def _ply_header(content: bytes) -> tuple[str, list[tuple[int, list[list[str]]]], bytes]:
     """The format, the elements, each a count and the words of its properties' types, and the bytes after the header.
 
     Raises
@@ -96,15 +96,15 @@ def _ply_header(content):
     header, end, body = content.partition(b"end_header")
     if not content.startswith(b"ply") or not end:
         raise ValueError("it does not begin with ply, or end with end_header")
-    kind = None
+    kind: str | None = None
     elements: list[tuple[int, list[list[str]]]] = []
     for line in header.decode("ascii").splitlines()[1:]:
         words = line.split()
         match words:
             case [] | ["comment" | "obj_info", *_]:
                 continue
-            case ["format", kind, _] if kind in _FORMATS:
-                continue
+            case ["format", word, _] if word in _FORMATS:
+                kind = word
             case ["element", _, number] if re.fullmatch(r"\d{1,10}", number) and int(number) < 2**31:
                 elements.append((int(number), []))
             case ["property", "list", count, item, _] if elements and count in _COUNTS and item in _SIZES:
@@ -118,7 +118,7 @@ def _ply_header(content):
     return kind, elements, body.removeprefix(b"\r").removeprefix(b"\n")
 
 
-def _after(body, place, count, kinds):
+def _after(body: bytes, place: int, count: int, kinds: list[list[str]]) -> int:
     """Where so many elements end that begin at a place; beyond the end where they do not fit."""
     if all(len(kind) == 1 for kind in kinds):
         return place + count * sum(_SIZES[kind] for (kind,) in kinds)

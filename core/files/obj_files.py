@@ -6,7 +6,10 @@ single precision, which moves places at 5e6 by up to 0.25.
 """
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -46,7 +49,7 @@ class ObjMesh:
     places: np.ndarray | None = None
 
 
-def write_obj(file, mesh):
+def write_obj(file: TextIO, mesh: ObjMesh) -> None:
     """Write an :class:`ObjMesh` to a text file that is open."""
     file.write(f"# Synch Fields\no {re.sub(r'[^!-~]+', '_', mesh.name) or 'mesh'}\n")
     _write_rows(file, "v", mesh.vertices, number_format(mesh.vertices))
@@ -67,13 +70,13 @@ def write_obj(file, mesh):
         file.write(f"f {' '.join(words[end - size : end])}\n")
 
 
-def _write_rows(file, keyword, values, form):
+def _write_rows(file: TextIO, keyword: str, values: np.ndarray, form: str) -> None:
     row = f"{keyword} " + " ".join([form] * values.shape[1]) + "\n"
     for first in range(0, len(values), _ROWS_AT_ONCE):
         file.write("".join(row % tuple(numbers) for numbers in values[first : first + _ROWS_AT_ONCE].tolist()))
 
 
-def far_centre(path):
+def far_centre(path: Path) -> np.ndarray | None:
     """(3,) the centre of a file's vertices in single precision, where it is far from the origin; else None.
 
     Raises
@@ -89,26 +92,26 @@ def far_centre(path):
         return centre_of_far(_places(_PLACE.finditer(content)))
 
 
-def centre_of_far(places):
+def centre_of_far(places: np.ndarray) -> np.ndarray | None:
     """(3,) the centre of (n, 3) places in single precision, where they are far from the origin; else None."""
     if not _is_far(places):
         return None
     return np.float32((places.min(axis=0) + places.max(axis=0)) / 2).astype(float)
 
 
-def write_centred(path, centre, target):
+def write_centred(path: Path, centre: np.ndarray, target: Path) -> None:
     """Write a file with its vertices relative to a centre; all else stays as it is, and so do the vertices' order."""
     with border(path):
         content = read_bytes(path, 3)
 
-        def relative(found):
+        def relative(found: re.Match[bytes]) -> bytes:
             place = np.array([float(word) for word in found.groups()]) - centre
             return b"v " + " ".join(f"{value:.12g}" for value in place).encode()
 
         target.write_bytes(_PLACE.sub(relative, content))
 
 
-def _places(found, most=None):
+def _places(found: Iterable[re.Match[bytes]], most: int | None = None) -> np.ndarray:
     places: list[tuple[bytes, ...]] = []
     for place in found:
         if most is not None and len(places) == most:
@@ -117,7 +120,7 @@ def _places(found, most=None):
     return np.array(places, float).reshape(-1, 3)
 
 
-def _is_far(places):
+def _is_far(places: np.ndarray) -> bool:
     """Whether places are farther from the origin than :data:`FAR` times their extent."""
     if len(places) < 2 or not np.isfinite(places).all():
         return False

@@ -5,12 +5,13 @@ import importlib
 import importlib.util
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 from ..errors import SettingError
 
 
 @cache
-def openvdb_module(file=None):
+def openvdb_module(file: str | None = None) -> ModuleType:
     """The module, loaded once.
 
     Parameters

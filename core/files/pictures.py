@@ -7,7 +7,7 @@ from pathlib import Path
 _ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9"}
 
 
-def is_whole(path):
+def is_whole(path: str | Path) -> bool:
     """Whether an image file ends as its kind does."""
     end = _ENDS.get(Path(path).suffix.lower(), b"")
     return Path(path).read_bytes().endswith(end)

@@ -37,7 +37,7 @@ class SolidVectors:
     at_vertices: bool
 
 
-def read_vectors(path, name=""):
+def read_vectors(path: str | Path, name: str = "") -> SolidVectors:
     """The :class:`SolidVectors` of a file.
 
     Parameters
@@ -57,7 +57,7 @@ def read_vectors(path, name=""):
         return _read(path, name)
 
 
-def _read(path, name):
+def _read(path: Path, name: str) -> SolidVectors:
     content = read_bytes(path, TEXT_BYTES)
     is_vtu = path.suffix.lower() == ".vtu"
     mesh = read_tets(path if is_vtu else path.with_suffix(".mesh"))
@@ -78,10 +78,10 @@ def _read(path, name):
     return SolidVectors(mesh, values, at_points)
 
 
-def _of_vtu(path, content):
+def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
     """Vectors by the name of their array, and whether it is on points."""
     root, appended = vtu_root(path, content)
-    found: dict[tuple, list] = {}
+    found: dict[tuple[str, bool], list[np.ndarray]] = {}
     pieces = list(root.iter("Piece"))
     for piece in pieces:
         points, cells = vtu_sizes(piece)
@@ -97,7 +97,7 @@ def _of_vtu(path, content):
     return {key: np.concatenate(parts) for key, parts in found.items() if len(parts) == len(pieces)}
 
 
-def _of_sol(path, content):
+def _of_sol(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
     """The same for the fields of a .sol file, which have numbers for names."""
     sections = medit_sections(path, content)
     found = {}

@@ -10,6 +10,7 @@
 import re
 import zlib
 from base64 import b64decode
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
@@ -28,9 +29,11 @@ VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "
 # Memory of the arrays of a point and of a cell of a .vtu file while they are read: each twice for a moment.
 _POINT_BYTES, _CELL_BYTES = 48, 128
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
+# Vertices, tetrahedra and triangles of a file, and numbers of the triangles by name.
+_Read = tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndarray]]
 
 
-def read_tets(path):
+def read_tets(path: str | Path) -> TetMesh:
     """The solid in a ``.mesh`` or ``.vtu`` file, which the suffix tells apart.
 
     Inverted tetrahedra are turned the right way. Where triangles of the file enclose some of its tetrahedra and others
@@ -51,7 +54,7 @@ def read_tets(path):
     return read_marked_tets(path)[0]
 
 
-def read_marked_tets(path):
+def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
     """The solid as :func:`read_tets` reads it, and what its triangles are marked with.
 
     Returns
@@ -78,7 +81,7 @@ def read_marked_tets(path):
         return _enclosed_parts(mesh, triangles), _number_groups(triangles, numbers, len(vertices))
 
 
-def _number_groups(triangles, numbers, count):
+def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
     """Triangles of known vertices by name and number."""
     known = ((triangles >= 0) & (triangles < count)).all(axis=1)
     return {
@@ -88,7 +91,7 @@ def _number_groups(triangles, numbers, count):
     }
 
 
-def _enclosed_parts(mesh, triangles):
+def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
     """The parts of a solid whose boundary, where triangles cut it into parts, is made of triangles only."""
     if not len(triangles):
         return mesh
@@ -103,7 +106,7 @@ def _enclosed_parts(mesh, triangles):
     return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])
 
 
-def medit_sections(path, content):
+def medit_sections(path: Path, content: bytes) -> dict[str, str]:
     """The text after each keyword of a MEDIT file of dimension 3."""
     try:
         text = re.sub(r"#.*", "", content.decode("ascii"))
@@ -119,7 +122,7 @@ def medit_sections(path, content):
     return sections
 
 
-def _read_medit(path, content):
+def _read_medit(path: Path, content: bytes) -> _Read:
     sections = medit_sections(path, content)
     if not sections.get("Vertices", "").strip():
         raise SettingError(f"{path} is no MEDIT file: it lacks Vertices, export it again")
@@ -135,11 +138,11 @@ def _read_medit(path, content):
     return vertices, tets - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
 
 
-def medit_rows(name, text, width):
+def medit_rows(name: str, text: str, width: int) -> np.ndarray:
     """(count, width + 1) numbers of a section, the last ones the references that end its rows."""
     try:
-        count, *rest = text.split(None, 1)
-        count, numbers = int(count), text_numbers(*rest or [""])
+        head, *rest = text.split(None, 1)
+        count, numbers = int(head), text_numbers(*rest or [""])
     except (ValueError, OverflowError) as error:
         raise SettingError(f"something among its {name} is not a number: export it again") from error
     if count < 0 or len(numbers) != count * (width + 1):
@@ -150,7 +153,7 @@ def medit_rows(name, text, width):
     return numbers.reshape(count, width + 1)
 
 
-def _read_vtu(path, content):
+def _read_vtu(path: Path, content: bytes) -> _Read:
     root, appended = vtu_root(path, content)
     points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
     count, marks = 0, []
@@ -188,7 +191,7 @@ def _read_vtu(path, content):
 
 
 @contextmanager
-def vtu_arrays():
+def vtu_arrays() -> Iterator[None]:
     """Say of what damaged arrays of a .vtu file raise inside that it is an array that cannot be read."""
     try:
         yield
@@ -196,22 +199,29 @@ def vtu_arrays():
         raise SettingError(f"it has an array that cannot be read ({error}): export it again") from error
 
 
-def vtu_sizes(piece):
+def vtu_sizes(piece: ElementTree.Element) -> tuple[int, int]:
     """The numbers of points and of cells that a piece of a .vtu file promises."""
     with vtu_arrays():
-        points, cells = (int(piece.get(f"NumberOf{name}")) for name in ("Points", "Cells"))
+        points, cells = (int(_get(piece, f"NumberOf{name}")) for name in ("Points", "Cells"))
         if min(points, cells) < 0:
             raise ValueError(f"{points} points, {cells} cells")
         return points, cells
 
 
-def check_vtu_sizes(path, root):
+def _get(element: ElementTree.Element, name: str) -> str:
+    value = element.get(name)
+    if value is None:
+        raise ValueError(f"{name} is missing")
+    return value
+
+
+def check_vtu_sizes(path: Path, root: ElementTree.Element) -> None:
     """Refuse a file whose pieces promise more points and cells than memory holds."""
     sizes = [vtu_sizes(piece) for piece in root.iter("Piece")]
     check_promise(path, sum(_POINT_BYTES * points + _CELL_BYTES * cells for points, cells in sizes))
 
 
-def vtu_root(path, content, kind="UnstructuredGrid"):
+def vtu_root(path: Path, content: bytes, kind: str = "UnstructuredGrid") -> tuple[ElementTree.Element, bytes]:
     """The XML of a .vtu file, or of another kind of VTK's, and its appended bytes."""
     head, appended, tail = _without_raw_data(content)
     try:
@@ -224,7 +234,7 @@ def vtu_root(path, content, kind="UnstructuredGrid"):
     return root, appended
 
 
-def _without_raw_data(content):
+def _without_raw_data(content: bytes) -> tuple[bytes, bytes, bytes]:
     """The XML before and after appended data, and these from their first byte on; raw bytes are no XML."""
     tag = content.find(b"<AppendedData")
     first = content.find(b"_", content.find(b">", tag))
@@ -234,9 +244,11 @@ def _without_raw_data(content):
     return content[:first], content[first + 1 : last], content[last:]
 
 
-def vtu_array(root, appended, array, count):
+def vtu_array(root: ElementTree.Element, appended: bytes, array: ElementTree.Element | None, count: int) -> np.ndarray:
     """The numbers of an array of a .vtu file, in a row; one of ``UNREADABLE`` is raised for a damaged one, and for one
     that holds another count of numbers than there should be, before it is unpacked."""
+    if array is None:
+        raise ValueError("it is missing")
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
     kinds = {"Float": "f", "Int": "i", "UInt": "u"}
     name = array.get("type", "")
@@ -247,7 +259,7 @@ def vtu_array(root, appended, array, count):
     if compressor not in (None, "", "vtkZLibDataCompressor"):
         raise ValueError(f"compressed by {compressor}, use zlib")
     if array.get("format") == "appended":
-        stored, raw = appended[int(array.get("offset")) :], root.find("AppendedData").get("encoding") == "raw"
+        stored, raw = appended[int(_get(array, "offset")) :], root.find("AppendedData[@encoding='raw']") is not None
     else:
         stored, raw = "".join((array.text or "").split()).encode("ascii"), False
     header = np.dtype(order + {"UInt32": "u4", "UInt64": "u8"}[root.get("header_type", "UInt32")])
@@ -255,13 +267,13 @@ def vtu_array(root, appended, array, count):
     return _count_text(np.frombuffer(unpack(stored, header, raw, int(count) * dtype.itemsize), dtype), count)
 
 
-def _count_text(numbers, count):
+def _count_text(numbers: np.ndarray, count: int) -> np.ndarray:
     if len(numbers) != count:
         raise ValueError(f"{len(numbers)} numbers where {count} are promised")
     return numbers
 
 
-def _plain(stored, header, raw, wanted):
+def _plain(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
     """Bytes after a header that says how many; in base64 the two make one stream, or one each."""
     width = header.itemsize
     size = int(np.frombuffer(_bytes(stored, 0, width, raw), header)[0])
@@ -275,7 +287,7 @@ def _plain(stored, header, raw, wanted):
     return _bytes(stored, 0, width + size, raw)[width:]
 
 
-def _decompress_blocks(stored, header, raw, wanted):
+def _decompress_blocks(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
     """Blocks after a header of their number, their size, the last one's size and the compressed size of each."""
     blocks = int(np.frombuffer(_bytes(stored, 0, header.itemsize, raw), header)[0])
     width = (3 + blocks) * header.itemsize
@@ -293,7 +305,7 @@ def _decompress_blocks(stored, header, raw, wanted):
     return b"".join(found)
 
 
-def _bytes(stored, first, count, raw):
+def _bytes(stored: bytes, first: int, count: int, raw: bool) -> bytes:
     """So many bytes from a place in raw bytes or in base64."""
     found = stored[first : first + count] if raw else b64decode(stored[first : first + _characters(count)])[:count]
     if len(found) < count:
@@ -301,6 +313,6 @@ def _bytes(stored, first, count, raw):
     return found
 
 
-def _characters(count):
+def _characters(count: int) -> int:
     """Characters of base64 for so many bytes."""
     return -(-count // 3) * 4

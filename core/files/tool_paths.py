@@ -6,10 +6,19 @@ Closed paths come back to their first point.
 
 import numpy as np
 
+from ..extract.lines.isolines import Isolines
 from .digits import DIGITS, number_format
 
 
-def table_of(lines, layers, points, normals, heights, widths, above):
+def table_of(
+    lines: Isolines,
+    layers: np.ndarray,
+    points: np.ndarray,
+    normals: np.ndarray,
+    heights: np.ndarray,
+    widths: np.ndarray,
+    above: np.ndarray,
+) -> str:
     """Text of a .csv file: layer, path, place and normal of each point, height and width of the bead there, and how far
     it reaches above the layer, where the nozzle is.
 
@@ -28,7 +37,7 @@ def table_of(lines, layers, points, normals, heights, widths, above):
     return "\n".join(rows) + "\n"
 
 
-def polylines_of(lines, layers, points, *_):
+def polylines_of(lines: Isolines, layers: np.ndarray, points: np.ndarray, *_: np.ndarray) -> str:
     """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, what has no place is left out."""
     form, before = "v " + " ".join(3 * [number_format(points)]), None
     rows = [form % tuple(point) for point in points]

@@ -6,8 +6,10 @@ The layout is that of files since version 222 (OpenVDB 3): a header, metadata, a
 a transform, and the tree with the counts of its root.
 """
 
+import builtins
 import re
 import struct
+from pathlib import Path
 from typing import BinaryIO
 
 _MAGIC, _OLDEST = b" BDV\0\0\0\0", 222
@@ -24,7 +26,7 @@ _VALUES = {"bool": 1, "float": 4, "int32": 4, "double": 8, "int64": 8, "vec3s": 
 _ORIGIN, _ACTIVE = 12, 1
 
 
-def check_vdb_sizes(path):
+def check_vdb_sizes(path: Path) -> None:
     """Refuse a file whose counts promise more than its bytes hold; other kinds and older ones pass.
 
     Raises
@@ -47,7 +49,7 @@ def check_vdb_sizes(path):
             reader.seek(end)
 
 
-def _check_grid(reader, begin, kind):
+def _check_grid(reader: "_Reader", begin: int, kind: str) -> None:
     reader.seek(begin)
     reader.number()  # how it is compressed
     reader.metadata()
@@ -65,39 +67,39 @@ def _check_grid(reader, begin, kind):
 class _Reader:
     """Reads a file of a known size, and never beyond it."""
 
-    def __init__(self, file: BinaryIO, size: int):
+    def __init__(self, file: BinaryIO, size: int) -> None:
         self._file, self._size = file, size
 
-    def check(self, length):
+    def check(self, length: int) -> None:
         if length > self._size - self._file.tell():
             raise ValueError(f"it promises {length} bytes and has {self._size - self._file.tell()}")
 
-    def bytes(self, length):
+    def bytes(self, length: int) -> builtins.bytes:
         self.check(length)
         return self._file.read(length)
 
-    def skip(self, length):
+    def skip(self, length: int) -> None:
         self.check(length)
         self._file.seek(length, 1)
 
-    def seek(self, place):
+    def seek(self, place: int) -> None:
         if not 0 <= place <= self._size:
             raise ValueError(f"it has something at byte {place} of {self._size}")
         self._file.seek(place)
 
-    def number(self):
+    def number(self) -> int:
         return struct.unpack("<I", self.bytes(4))[0]
 
-    def count(self, least):
+    def count(self, least: int) -> int:
         """A number of parts that have at least so many bytes each."""
         number = self.number()
         self.check(number * least)
         return number
 
-    def text(self):
+    def text(self) -> str:
         return self.bytes(self.number()).decode("utf-8", "replace")
 
-    def metadata(self):
+    def metadata(self) -> None:
         for _ in range(self.count(3 * 4)):
             self.text()
             self.text()

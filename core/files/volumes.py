@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flows in OpenVDB files: grids of vectors, centred or staggered, and grids of their components apart."""
 
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import map_coordinates
@@ -36,12 +40,14 @@ USUAL, ROTATIONS = (VELOCITY, "vel", "v", "u"), ("vorticity", "vort", "omega", "
 _ENDS = ((".x", ".y", ".z"), ("_x", "_y", "_z"), ("[0]", "[1]", "[2]"), ("x", "y", "z"))
 
 
-def is_vorticity(name):
+def is_vorticity(name: str) -> bool:
     """Whether vectors of this name are the vorticity of a flow."""
     return name.lower() in ROTATIONS
 
 
-def choose_flow(path, vectors, numbers, attribute, have=None):
+def choose_flow(
+    path: Path, vectors: Sequence[str], numbers: Sequence[str], attribute: str, have: str | None = None
+) -> tuple[tuple[str, ...], bool, tuple[str, ...]]:
     """Which of a file's arrays or grids are the flow.
 
     It is the one, or the components of the one, that ``attribute`` names; where that is "velocity" and there is none,
@@ -81,7 +87,7 @@ def choose_flow(path, vectors, numbers, attribute, have=None):
     return flows[first], is_vorticity(first), (warning,) if len(flows) > 1 else ()
 
 
-def component_names(names):
+def component_names(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """The three names of each vector whose components have names of their own, by its name."""
     found: dict[str, tuple[str, ...]] = {}
     for ends in _ENDS:
@@ -108,7 +114,7 @@ class Channel:
     values: np.ndarray
     to_world: np.ndarray
 
-    def at(self, places):
+    def at(self, places: np.ndarray) -> np.ndarray:
         """(n,) values at (n, 3) places in the world, between the voxels by straight lines."""
         inverse = np.linalg.inv(self.to_world)
         return map_coordinates(self.values, inverse[:3, :3] @ places.T + inverse[:3, 3:], order=1, mode="nearest")
@@ -136,7 +142,7 @@ class VoxelFlow:
     warnings: tuple[str, ...]
 
     @property
-    def noise(self):
+    def noise(self) -> float | None:
         """Of the voxels, as :func:`sampling_noise` has it."""
         values = [channel.values for channel in self.channels]
         if self.is_vorticity or len({part.shape for part in values}) > 1:
@@ -144,15 +150,15 @@ class VoxelFlow:
         spacing = np.linalg.norm(self.channels[0].to_world[:3, :3], axis=0)
         return sampling_noise(Grid(values[0].shape, spacing), np.stack(values, axis=-1).reshape(-1, 3))
 
-    def grid(self, resolution):
+    def grid(self, resolution: int) -> Grid:
         """A grid along the world's axes, with so many nodes along its longest side."""
         return box_grid(*self.box, resolution)
 
-    def at(self, places):
+    def at(self, places: np.ndarray) -> np.ndarray:
         """(n, 3) vectors at places in the world."""
         return np.stack([channel.at(places) for channel in self.channels], axis=1) @ self.turn.T
 
-    def integrals(self, grid):
+    def integrals(self, grid: Grid) -> np.ndarray:
         """(e,) of the velocity along the grid's edges, by what is between the voxels at its nodes.
 
         Where the grid has the nodes of a staggered file, components are known in the middle of edges, which count too.
@@ -192,7 +198,7 @@ class VolumeFile:
     attribute: str
     module: str | None
 
-    def read(self):
+    def read(self) -> VoxelFlow:
         """The :class:`VoxelFlow`.
 
         Raises
@@ -206,7 +212,7 @@ class VolumeFile:
         with border(path, "choose an OpenVDB file"):
             return self._read(vdb)
 
-    def _read(self, vdb):
+    def _read(self, vdb: ModuleType) -> VoxelFlow:
         path = self.path
         try:
             with self._limited():
@@ -250,16 +256,16 @@ class VolumeFile:
         box = world_box(low, high, self.matrix)
         return VoxelFlow(tuple(channels), box, self.matrix[:3, :3], is_staggered, is_curl, warnings)
 
-    def _limited(self):
+    def _limited(self) -> AbstractContextManager[None]:
         """Hold the reader to the memory that a sound file can take."""
         return at_most(SOUND_BYTES + SOUND_RATIO * self.path.stat().st_size)
 
-    def _metadata(self, vdb):
+    def _metadata(self, vdb: ModuleType) -> list[Any]:
         """The headers of the file's grids, whose promises its bytes can hold."""
         check_vdb_sizes(self.path)
         return vdb.readAllGridMetadata(str(self.path))
 
-    def header(self):
+    def header(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         """Lowest and highest index of the file's grid, and the (4, 4) matrix that takes indices to the file's world,
         without reading any voxel; None where the header does not tell them."""
         try:
@@ -273,7 +279,7 @@ class VolumeFile:
         return low, high, _index_to_world(chosen[0])
 
 
-def _flow_grids(path, grids, attribute):
+def _flow_grids(path: Path, grids: list[Any], attribute: str) -> tuple[list[Any], bool, tuple[str, ...]]:
     """The grids of a volume that are the flow, by their headers, as :func:`choose_flow`, with its name."""
     by_name = {grid.name: grid for grid in reversed(grids)}
     vectors = [grid.name for grid in grids if grid.valueTypeName.startswith("vec3")]
@@ -283,7 +289,9 @@ def _flow_grids(path, grids, attribute):
     return [by_name[name] for name in names], is_curl, warnings
 
 
-def _read_box(name, grid, low, high, own, share):
+def _read_box(
+    name: str, grid: Any, low: np.ndarray, high: np.ndarray, own: np.ndarray, share: int
+) -> tuple[np.ndarray, np.ndarray]:
     """The values of a grid in a box of its file's world, and the lowest index there; it is one of ``share`` grids."""
     low, high = world_box(low, high, np.linalg.inv(own))
     low, high = np.floor(low + _ASIDE), np.ceil(high - _ASIDE)
@@ -300,7 +308,7 @@ def _read_box(name, grid, low, high, own, share):
     return values, low
 
 
-def _index_to_world(grid):
+def _index_to_world(grid: Any) -> np.ndarray:
     """(4, 4) matrix of a grid's linear transform."""
     origin = np.array(grid.transform.indexToWorld((0, 0, 0)))
     matrix = np.eye(4)
@@ -310,7 +318,7 @@ def _index_to_world(grid):
     return matrix
 
 
-def world_box(low, high, to_world):
+def world_box(low: np.ndarray, high: np.ndarray, to_world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner in the world of a box of indices."""
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1)
     world = to_world[:3, :3] @ corners + to_world[:3, 3:]

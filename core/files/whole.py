@@ -4,16 +4,21 @@
 import os
 import shutil
 import stat
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
 from ..errors import WriteError
 from .leftovers import own_name, sweep
 
+# A path as given, the file that it leads to, and the complete one beside it.
+_Waiting = tuple[str | Path, Path, Path]
+_Check = Callable[[Path], bool]
+
 
 @contextmanager
-def write_whole(path, is_whole=None):
+def write_whole(path: str | Path, is_whole: _Check | None = None) -> Iterator[Path]:
     """Write a file beside its place, under a name of its own with the same suffix, and put it there at the end.
 
     Yields the path to write to. Two processes that write the same file leave one of the two, whole; a device is
@@ -35,12 +40,12 @@ def write_whole(path, is_whole=None):
 
 
 @contextmanager
-def write_together():
+def write_together() -> Iterator[Callable[..., AbstractContextManager[Path]]]:
     """Write several files, which take their places together once all are complete, or none of them does.
 
     Yields a function that writes one of them as :func:`write_whole` does, with the same arguments and errors.
     """
-    waiting: list[tuple[str | Path, Path, Path]] = []
+    waiting: list[_Waiting] = []
     try:
         yield partial(_write_beside, waiting)
         _take_places(waiting)
@@ -50,7 +55,7 @@ def write_together():
 
 
 @contextmanager
-def _write_beside(waiting, path, is_whole=None):
+def _write_beside(waiting: list[_Waiting], path: str | Path, is_whole: _Check | None = None) -> Iterator[Path]:
     """Write a file beside its place, and add it to those that wait for their places."""
     target = Path(path).resolve()
     if target.is_dir():
@@ -82,7 +87,7 @@ def _write_beside(waiting, path, is_whole=None):
 
 
 @contextmanager
-def _opened_pipe(path):
+def _opened_pipe(path: Path) -> Iterator[None]:
     """Keep a named pipe open inside, as its reader sees its end else; OSError where nobody reads, for whom opening
     would wait. Nothing is done with other devices."""
     if not stat.S_ISFIFO(path.stat().st_mode):
@@ -95,7 +100,7 @@ def _opened_pipe(path):
         os.close(pipe)
 
 
-def _take_places(waiting):
+def _take_places(waiting: list[_Waiting]) -> None:
     """Put complete files in their places, or give back what was there before where that fails."""
     with ExitStack() as undo:
         for number, (path, target, made) in enumerate(waiting, 1):
@@ -110,38 +115,37 @@ def _take_places(waiting):
 
 
 @contextmanager
-def _restore_on_failure(target):
+def _restore_on_failure(target: Path) -> Iterator[None]:
     """Give a file back as it was, should work inside fail."""
-    kept = place_beside(target)
+    kept, was_there = place_beside(target), True
     try:
         os.link(target, kept)
     except FileNotFoundError:
-        kept = None
-    except OSError:  # no links there
+        was_there = False
+    except OSError:  # the file system has no links
         shutil.copy2(target, kept)
     try:
         yield
     except BaseException:
         with suppress(OSError):
-            target.unlink() if kept is None else os.replace(kept, target)
+            os.replace(kept, target) if was_there else target.unlink()
         raise
     finally:
-        if kept is not None:
-            kept.unlink(missing_ok=True)
+        kept.unlink(missing_ok=True)
 
 
-def write_text(path, text):
+def write_text(path: str | Path, text: str) -> None:
     """Write a text file whole or not at all; errors as :func:`write_whole`."""
     with write_whole(path) as made:
         made.write_text(text, encoding="utf-8")
 
 
-def unwritten(path, reason):
+def unwritten(path: str | Path, reason: object) -> WriteError:
     """The error of a file that could not be written."""
     return WriteError(f"{path}: cannot be written ({reason}): make room, or choose another place")
 
 
-def check_writable(path):
+def check_writable(path: str | Path) -> None:
     """Refuse a place where no file can be made, before there is anything to write; errors as :func:`write_whole`."""
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
@@ -154,7 +158,7 @@ def check_writable(path):
         raise unwritten(path, error.strerror or error) from None
 
 
-def place_beside(target):
+def place_beside(target: Path) -> Path:
     """A place that nobody else takes, in the same folder and with the same suffix; what was left there is swept."""
     sweep(target.parent)
     return target.with_name(own_name(target.suffix))

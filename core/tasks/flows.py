@@ -3,7 +3,9 @@
 
 import dataclasses
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from numbers import Integral
 
 import numpy as np
@@ -26,9 +28,11 @@ from ..fields.clebsch import (
 from ..fields.quantum import STEP, find_quantum, least_quantum, shows_enough
 from ..files.flows import ArrayFile
 from ..files.volumes import VolumeFile
+from ..geometry import TriangleMesh
+from ..geometry.grid import Grid
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
-from ..monitor import Monitor, portion
+from ..monitor import Callback, Monitor, Result, portion
 from ..settings.flow import FlowSettings
 from ..solution import COARSE
 from ..solve import Options
@@ -55,18 +59,18 @@ _NODE_SECONDS, _LARGE_NODE_SECONDS = 3e-4, 1.5e-4
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
 
 
-def solve_memory(nodes):
+def solve_memory(nodes: int) -> int:
     """Bytes that a solve takes at its peak, measured on 24^3 to 64^3 nodes."""
     return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
 
 
-def check_resolution(resolution):
+def check_resolution(resolution: object) -> None:
     """Refuse a resolution that nothing can be seen at."""
     if not isinstance(resolution, Integral) or resolution < 8:
         raise SettingError(f"a resolution of {resolution!r} nodes shows no vortex: give a whole number from 8 on")
 
 
-def check_grid(grid, name):
+def check_grid(grid: Grid, name: object) -> None:
     """Refuse the grid of a source if it lies in a plane, or if no usual machine can hold a solve of it."""
     if grid.dimension != 3:
         raise SettingError(f"{name}: a flow in a plane has no filaments to show: give one in space")
@@ -99,12 +103,12 @@ class Shown:
     stubs: int = 0
 
     @property
-    def share(self):
+    def share(self) -> float | None:
         """What of the vorticity the filaments carry; None where they are not asked for."""
         return None if self.lines is None else sum(line.share for line in self.lines)
 
     @property
-    def missing(self):
+    def missing(self) -> tuple[str, ...]:
         """Lines that say what the map shows nothing of, and the remedy."""
         remedy, lines = "ask for more filaments, or a smaller circulation of each", []
         if self.lines == []:
@@ -122,17 +126,17 @@ class Shown:
         return tuple(lines)
 
 
-def showing(found, sphere, settings):
+def showing(found: ClebschMap, sphere: SphericalMap | None, settings: FlowSettings) -> Shown:
     """The :class:`Shown` that settings ask for; the sphere may be missing where there are only filaments."""
-    lines, tubes, stubs = None, None, 0
+    grid, lines, tubes, stubs = found.regular_grid, None, None, 0
     if settings.show != "tubes":
         every = filaments(found, settings.smoothing)
-        least = _STUB * found.grid.spacing.max()
+        least = _STUB * grid.spacing.max()
         lines = [line for line in every if np.ptp(line.whole, axis=0).max() >= least]
         stubs = len(every) - len(lines)
-    if settings.show != "filaments":
+    if settings.show != "filaments" and sphere is not None:
         tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)
-    thickness = _THICKNESS * float(found.grid.spacing.min())
+    thickness = _THICKNESS * float(grid.spacing.min())
     return Shown(lines, tubes, found.quantum, thickness, settings.unwrapped, stubs)
 
 
@@ -160,7 +164,14 @@ class FlowResult:
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @classmethod
-    def of(cls, grid, integrals, settings, progress, largest=None):
+    def of(
+        cls,
+        grid: Grid | Surface,
+        integrals: np.ndarray,
+        settings: FlowSettings,
+        progress: Callback | None,
+        largest: float | None = None,
+    ) -> "FlowResult":
         """The maps of a flow, by its (e,) integrals along the edges of a Grid or Surface; nothing is shown yet.
 
         ``largest`` is the circulation that is tried first where one is looked for.
@@ -182,20 +193,20 @@ class FlowResult:
         sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
         return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
 
-    def seeing(self, settings):
+    def seeing(self, settings: FlowSettings) -> "FlowResult":
         """The map that the settings' point of the sphere gives, the best one for None."""
         if settings.point is None or self.sphere is None:
             return replace(self, seen=self.found)
         return replace(self, seen=self.sphere.seen_from(settings.point))
 
     @property
-    def lean(self):
+    def lean(self) -> "FlowResult":
         """The same with maps that are there to be seen, at some 200 bytes a node."""
         found = self.found.lean
         sphere = None if self.sphere is None else replace(self.sphere, found=found)
         return replace(self, found=found, sphere=sphere, seen=found.showing(self.seen.phases))
 
-    def again(self, settings):
+    def again(self, settings: FlowSettings) -> "FlowResult":
         """What another point, width or smoothing shows of the same solve."""
         other = self.seeing(settings)
         if self.shown is None:
@@ -221,15 +232,15 @@ class FlowRequest:
     source: ArrayFile | VolumeFile | FilamentCurves
     settings: FlowSettings
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_resolution(self.settings.resolution)
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[()]:
         """Nothing: the grid is known once the flow is read."""
         return ()
 
-    def solve(self, progress=None):
+    def solve(self, progress: Callback | None = None) -> FlowResult:
         """The :class:`FlowResult`.
 
         Raises
@@ -249,12 +260,12 @@ class FlowRequest:
         winding = None
         if shown.lines is not None:
             box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
-            winding = _interruptible(lambda: linking_numbers(shown.lines, box), "vortices", progress, 0.98)
+            winding = _interruptible(partial(linking_numbers, shown.lines, box), "vortices", progress, 0.98)
             warnings += tuple(self._about_share(result.found, shown, portion(progress, 0.9, 0.1)))
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
 
-    def _about_core(self, found):
+    def _about_core(self, found: ClebschMap) -> Iterator[str]:
         """A line where cores are too thin for tubes: those of curves are known, others are looked for in the flow."""
         if self.settings.show == "filaments":
             return
@@ -273,12 +284,13 @@ class FlowRequest:
                 f"from about {_FACES_OF_TUBES:g} on: give a finer grid, {remedy}"
             )
 
-    def _about_share(self, found, shown, progress):
+    def _about_share(self, found: ClebschMap, shown: Shown, progress: Callback | None) -> Iterator[str]:
         """A line where the filaments carry little of the vorticity, with a circulation that this solve carries more
         with, if there is one."""
-        if not found.vorticity or shown.share >= LEAST_SHARE:
+        share = shown.share
+        if not found.vorticity or share is None or share >= LEAST_SHARE:
             return
-        line, smaller = f"the filaments carry {max(shown.share, 0):.0%} of the vorticity", STEP * found.quantum
+        line, smaller = f"the filaments carry {max(share, 0):.0%} of the vorticity", STEP * found.quantum
         if self.settings.quantum is not None or self.settings.count is not None:
             sought = FlowSettings.share, None, None, self.settings.seed, portion(progress, 0.0, 0.2)
             smaller = min(smaller, find_quantum(found.grid, found.integrals, *sought))
@@ -287,19 +299,19 @@ class FlowRequest:
             return
         smaller = float(f"{smaller:.3g}")
         other = clebsch_map(found.grid, found.integrals, smaller, found.options, portion(progress, 0.2, 0.8))
-        if (other.vorticity_share or 0) > shown.share:
+        if (other.vorticity_share or 0) > share:
             yield f"{line}: with a circulation of {smaller:.3g} they carry {other.vorticity_share:.0%}"
         else:
             yield f"{line}, and with a circulation of {smaller:.3g} not more: give a finer grid, or show tubes"
 
-    def _read(self):
+    def _read(self) -> tuple[Grid, np.ndarray, tuple[str, ...]]:
         flow = self.source.read()
         grid = flow.grid(self.settings.resolution)
         check_grid(grid, self.source.name)
         return grid, flow.integrals(grid), (*flow.warnings, *about_noise(flow.noise))
 
 
-def about_noise(noise):
+def about_noise(noise: float | None) -> Iterator[str]:
     """A line where the vorticity is not that of a flow."""
     if noise is not None and noise > _IRROTATIONAL:
         yield "the flow has no vorticity but for what its sampling makes: its vortices mean nothing, give another flow"
@@ -307,7 +319,7 @@ def about_noise(noise):
         yield "the velocities change at random from node to node: the vortices are those of noise, smooth the flow"
 
 
-def _about_quantum(found):
+def _about_quantum(found: ClebschMap) -> Iterator[str]:
     """A line where so many filaments pass the faces that the phase can hardly tell them apart."""
     mean = mean_circulation(found.grid, found.integrals) / found.quantum
     if mean > _MANY_QUANTA:
@@ -317,20 +329,20 @@ def _about_quantum(found):
         )
 
 
-def _with_estimate(progress, seconds):
+def _with_estimate(progress: Callback | None, seconds: float) -> Callback | None:
     """A callback whose stages say about how many seconds are left, from the number that a solve usually takes."""
     if progress is None:
         return None
     begin = time.perf_counter()
 
-    def told(stage, fraction):
+    def told(stage: str, fraction: float) -> bool | None:
         left = seconds - (time.perf_counter() - begin)
         return progress(f"{stage}, about {left:.0f} s left" if left >= 1 else stage, fraction)
 
     return told
 
 
-def _interruptible(work, stage, progress, fraction=0.0):
+def _interruptible(work: Callable[[], Result], stage: str, progress: Callback | None, fraction: float = 0.0) -> Result:
     """The result of work that asks nobody whether it should stop; it is left behind when it should."""
     monitor = Monitor(progress)
     monitor.at(stage, fraction)
@@ -353,11 +365,11 @@ class SurfaceFlowRequest:
     settings: FlowSettings
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh]:
         """The mesh that the map is on."""
         return (self.given.mesh,)
 
-    def solve(self, progress=None):
+    def solve(self, progress: Callback | None = None) -> FlowResult:
         """The :class:`FlowResult`; errors as :meth:`FlowRequest.solve`."""
         surface = Surface(self.given.mesh, self.given.seam)
         return FlowResult.of(surface, edge_integrals(surface, self.velocity), self.settings, progress)

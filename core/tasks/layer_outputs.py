@@ -11,10 +11,11 @@ from ..extract.layers.defect_curves import DefectCurve
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.layers.voxels import points_inside
 from ..fields.layers import LayerPattern
+from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
-from ..monitor import Monitor
-from ..printing.beads import contour_beads, plane_beads
+from ..monitor import Callback, Monitor
+from ..printing.beads import Beads, contour_beads, plane_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
 from ..validation import check_choice, convert_value
@@ -42,7 +43,7 @@ class PathSettings:
     fill: str = "contour"
     machine: Machine = field(default_factory=Machine)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         convert_value("fill", str, self.fill)
         check_choice(self, "fill", FILLS)
         if self.step is not None and not 0 < convert_value("step", float, self.step) < math.inf:
@@ -68,17 +69,17 @@ class Layering:
     matrix: np.ndarray
 
     @property
-    def solid(self):
+    def solid(self) -> TetMesh:
         """The TetMesh."""
         return self.pattern.mesh
 
     @property
-    def spacing(self):
+    def spacing(self) -> float:
         """Mean distance of the layers; the solid's diagonal where no two of them follow one another."""
         mean = float(self.pattern.spacings.mean)
         return mean if math.isfinite(mean) else float(np.linalg.norm(np.ptp(self.solid.vertices, axis=0)))
 
-    def paths(self, settings):
+    def paths(self, settings: PathSettings) -> "PathsRequest":
         """The :class:`PathsRequest` of :class:`PathSettings`."""
         step = settings.step
         if step is None:
@@ -86,7 +87,7 @@ class Layering:
             step = machine.bore / machine.scale if machine.bore else self.spacing
         return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
-    def voxels(self, resolution):
+    def voxels(self, resolution: int) -> "VoxelsRequest":
         """The :class:`VoxelsRequest` of so many voxels along the longest side; too many in all are refused."""
         return VoxelsRequest(self.solid, self.pattern.tet_phases, resolution)
 
@@ -113,11 +114,11 @@ class PathsRequest:
     settings: PathSettings
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh]:
         """The mesh of the layers, which the paths are on."""
         return (self.surfaces.mesh,)
 
-    def solve(self, progress=None):
+    def solve(self, progress: Callback | None = None) -> PrintPlan:
         """The :class:`PrintPlan`.
 
         Raises
@@ -135,13 +136,13 @@ class PathsRequest:
         monitor.at("order and reach", 0.5)
         return monitor.during(lambda: self._planned(beads))
 
-    def _beads(self):
+    def _beads(self) -> Beads:
         fill = self.settings.fill
         if fill == "contour":
             return contour_beads(self.surfaces, self.step)
         return plane_beads(self.surfaces, self.surfaces.vertices[:, "xyz".index(fill[-1])], self.step)
 
-    def _planned(self, beads) -> PrintPlan:
+    def _planned(self, beads: Beads) -> PrintPlan:
         machine = self.settings.machine
         return print_plan(self.surfaces, self.solid, beads, self.matrix, machine, self.step, self.spacing)
 
@@ -161,7 +162,7 @@ class VoxelsRequest:
     phases: TetPhases
     resolution: int
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         count = self._layout[1].prod(dtype=float)
         if count > MOST_VOXELS:
             raise SettingError(
@@ -170,11 +171,11 @@ class VoxelsRequest:
             )
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[()]:
         """Nothing."""
         return ()
 
-    def solve(self, progress=None):
+    def solve(self, progress: Callback | None = None) -> "Voxels":
         """The :class:`Voxels`.
 
         Raises
@@ -186,7 +187,7 @@ class VoxelsRequest:
         monitor.at("voxels", 0.0)
         return monitor.during(self._sampled)
 
-    def _sampled(self):
+    def _sampled(self) -> "Voxels":
         step, counts = self._layout
         low, extents = self.solid.vertices.min(axis=0), np.ptp(self.solid.vertices, axis=0)
         origin = low + (extents - step * (counts - 1)) / 2
@@ -197,12 +198,12 @@ class VoxelsRequest:
         return Voxels(values, origin, step)
 
     @property
-    def _layout(self):
+    def _layout(self) -> tuple[float, np.ndarray]:
         """Size of the voxels, and (3,) how many there are along each axis."""
         return _grid(np.ptp(self.solid.vertices, axis=0), self.resolution)
 
     @property
-    def _fitting(self):
+    def _fitting(self) -> int:
         """A resolution not much below the largest that makes no more voxels than the most."""
         extents, resolution = np.ptp(self.solid.vertices, axis=0), self.resolution
         while _grid(extents, resolution)[1].prod(dtype=float) > MOST_VOXELS:
@@ -227,6 +228,6 @@ class Voxels:
     step: float
 
 
-def _grid(extents, resolution):
+def _grid(extents: np.ndarray, resolution: int) -> tuple[float, np.ndarray]:
     step = float(extents.max()) / resolution
     return step, np.ceil(extents / step).astype(int)

@@ -2,7 +2,7 @@
 """Layers in the solid that a closed surface encloses (paper, Section 3.4)."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,16 +14,17 @@ from ..extract.layers.defect_curves import DefectCurve, defect_curves
 from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
 from ..fields.guidance.solids import extend_directions, have_directions
-from ..fields.layers import LayerPattern, SolidTargetOneForm, choose_levels
+from ..fields.layers import LayerGroup, LayerPattern, SolidTargetOneForm, choose_levels
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..fields.target_one_form import COARSE_SHARE
+from ..geometry import TriangleMesh
 from ..geometry.filling.closed_surface import Area, ClosedSurface
 from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
-from ..monitor import Monitor, portion
+from ..monitor import Callback, Monitor, portion
 from ..printing.flush import FAR, far_share
 from ..solution import Clock
 from ..solve import Options
@@ -52,7 +53,7 @@ class SolidGuide:
     label: str
     compute: Callable[[FilledSurface], np.ndarray]
 
-    def directions(self, filled):
+    def directions(self, filled: FilledSurface) -> tuple[np.ndarray, float]:
         """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they only continue those
         around; errors name the guide."""
         try:
@@ -107,11 +108,11 @@ class SolidRequest:
     by_level: bool = False
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh | TetMesh, ...]:
         """The surface's mesh, and the solid where it was given."""
         return (self.surface.mesh,) if self.solid is None else (self.surface.mesh, self.solid)
 
-    def solve(self, progress=None):
+    def solve(self, progress: Callback | None = None) -> "SolidResult":
         """The :class:`SolidResult`.
 
         Raises
@@ -164,18 +165,18 @@ class SolidRequest:
         return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
 
     @property
-    def estimate(self):
+    def estimate(self) -> Estimate:
         """The :class:`Estimate` of the solid and its solve."""
         if self.solid is None:
             return estimate(self.surface.distance, self.lengths.size)
         return Estimate(self.lengths.size, self.solid.tet_count, SOLVED_BYTES * self.solid.tet_count)
 
-    def _filled(self):
+    def _filled(self) -> TetMesh:
         if self.solid is not None:
             return self.solid
         return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
 
-    def _asked(self, filled):
+    def _asked(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
         """Directions, where they continue others, spacings and groups on the solid."""
         directions, continued = self.guide.directions(filled)
         spacings: float | np.ndarray = self.lengths.spacing
@@ -183,13 +184,13 @@ class SolidRequest:
             spacings = self.limits.clipped(spacings * filled.inside(self.factors))
         return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
 
-    def _far(self, surfaces):
+    def _far(self, surfaces: LayerSurfaces) -> dict[str, float]:
         """Shares of the areas that a layer should lie on which are far from all, by their names."""
         mesh, spacing = self.surface.mesh, self.lengths.spacing
         held = [asked.area for asked in self.asked if asked.phase == 0]
         return {area.name: far_share(mesh, area.triangles, surfaces, spacing) for area in held}
 
-    def _about_loss(self, solid):
+    def _about_loss(self, solid: TetMesh) -> Iterator[str]:
         lost = self.surface.lost_share(solid)
         if lost > LOST_VOLUME:
             yield (
@@ -197,7 +198,7 @@ class SolidRequest:
                 "lost, reduce the size of its tetrahedra"
             )
 
-    def _about_holes(self, solid):
+    def _about_holes(self, solid: TetMesh) -> Iterator[str]:
         more = self.surface.more_holes(solid)
         if more:
             number = f"{abs(more)} hole" + "s" * (abs(more) > 1)
@@ -205,7 +206,7 @@ class SolidRequest:
             lacks = f"lacks {number} of the surface, too narrow for it"
             yield f"the solid {has if more > 0 else lacks}: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
 
-    def _about_far(self, far):
+    def _about_far(self, far: dict[str, float]) -> Iterator[str]:
         for name, share in far.items():
             if share > 1 - COVERED:
                 yield (
@@ -213,21 +214,21 @@ class SolidRequest:
                     f"tetrahedra, {self.lengths.size:.3g}"
                 )
 
-    def _about_directions(self, continued):
+    def _about_directions(self, continued: float) -> Iterator[str]:
         if continued > CONTINUED:
             yield (
                 f"{self.guide.label} has no direction of its own in {continued:.0%} of the solid, where those around "
                 f"go on: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
             )
 
-    def _about_limits(self, outside):
+    def _about_limits(self, outside: float) -> Iterator[str]:
         if outside > ENOUGH:
             yield (
                 f"in {outside:.1%} of the solid layers end, or are not between {self.limits} high: give limits that "
                 "are farther apart, or another spacing"
             )
 
-    def _about_rims(self, filled, groups):
+    def _about_rims(self, filled: FilledSurface, groups: Sequence[LayerGroup]) -> Iterator[str]:
         for asked, group in zip(self.asked, groups, strict=True):
             covered = filled.covered_share(asked.area, group.triangles)
             if covered < COVERED:
@@ -268,11 +269,11 @@ class SolidResult:
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @property
-    def solid(self):
+    def solid(self) -> TetMesh:
         return self.pattern.mesh
 
 
-def _about_edges(growth, divisions):
+def _about_edges(growth: SolidTargetOneForm, divisions: int) -> Iterator[str]:
     coarse = float((np.abs(growth.changes) > np.pi * divisions).mean())
     if coarse > COARSE_SHARE:
         yield (
@@ -281,7 +282,7 @@ def _about_edges(growth, divisions):
         )
 
 
-def _about_divisions(divisions, curves):
+def _about_divisions(divisions: int, curves: Sequence[DefectCurve]) -> Iterator[str]:
     if divisions > 1 and curves:
         yield (
             f"the phase is solved for {divisions} layers together, which end together at dislocation curves: give "
@@ -289,7 +290,7 @@ def _about_divisions(divisions, curves):
         )
 
 
-def _no_layer(depth):
+def _no_layer(depth: float) -> str:
     if depth > 0:
         return f"no layer lies in the solid, which is about {depth:.2g} deep for them: give a spacing below that"
     return "no layer lies in the solid, whose phase is the same everywhere: change the guidance or the groups"

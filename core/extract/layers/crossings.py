@@ -15,7 +15,7 @@ import numpy as np
 
 from ...geometry.tet_mesh import TetMesh
 from ...graphs import components, ragged_arange
-from ...interpolate import TURN
+from ...interpolate import TURN, EdgePhases
 from ...interpolate_solid import EDGE_CORNERS, FACE_CORNERS
 from ...memory import check_memory
 from ..lines.edge_crossings import refuse_more
@@ -52,14 +52,14 @@ class LayerCrossings:
     faces: np.ndarray
 
 
-def refuse_too_many_layers(changes):
+def refuse_too_many_layers(changes: np.ndarray) -> None:
     """Refuse changes of the phase along edges, in radians, with more crossings than are drawn or fit into memory."""
     count = np.abs(changes).sum() / TURN
     refuse_more(count, "the layers cross the solid's edges", 1)
     check_memory(BYTES_PER_CROSSING * count, f"layers that cross the solid's edges {count:.2g} times")
 
 
-def crossings_of(edge_phases, offset=0.0):
+def crossings_of(edge_phases: EdgePhases[TetMesh], offset: float = 0.0) -> LayerCrossings:
     """:class:`LayerCrossings` of the levels offset + 2 pi k; errors as :func:`refuse_too_many_layers`."""
     mesh = edge_phases.mesh
     refuse_too_many_layers(edge_phases.changes)
@@ -84,7 +84,7 @@ def crossings_of(edge_phases, offset=0.0):
     return LayerCrossings(mesh, phases, changes, np.cumsum(counts) - counts, counts, edges, shares, nodes, faces)
 
 
-def _layers_on_boundary(mesh, near, changes):
+def _layers_on_boundary(mesh: TetMesh, near: np.ndarray, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Faces of the boundary that lie on a level, and (n,) +-1: the side to which vertices move."""
     sides = np.ones(mesh.vertex_count)
     triangles = mesh.boundary_triangles
@@ -109,7 +109,7 @@ def _layers_on_boundary(mesh, near, changes):
     return np.where(outward[:, None], triangles, triangles[:, ::-1]), sides
 
 
-def polygons_in(crossings, tets):
+def polygons_in(crossings: LayerCrossings, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Triangles and quads of the levels in regular tetrahedra, normals along the growth.
 
     Parameters
@@ -135,10 +135,18 @@ def polygons_in(crossings, tets):
         chosen = np.isin(pattern, patterns)
         local = table[pattern[chosen]]
         parts.append(_crossings_at(crossings, corners, edges, values, row[chosen, None], levels[chosen, None], local))
-    return tuple(parts)
+    return parts[0], parts[1]
 
 
-def _crossings_at(crossings, corners, edges, values, row, levels, local):
+def _crossings_at(
+    crossings: LayerCrossings,
+    corners: np.ndarray,
+    edges: np.ndarray,
+    values: np.ndarray,
+    row: np.ndarray,
+    levels: np.ndarray,
+    local: np.ndarray,
+) -> np.ndarray:
     """Numbers of the crossings of levels, as the tetrahedra's corners count them, with local edges."""
     edge = edges[row, local]
     i, j = EDGE_CORNERS.T
@@ -149,7 +157,7 @@ def _crossings_at(crossings, corners, edges, values, row, levels, local):
     return crossings.starts[edge] + place.astype(int)
 
 
-def _polygon_tables():
+def _polygon_tables() -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Of triangles and of quads, the patterns of corners above (bits) and (16, size) local edges around the polygon."""
     number = np.zeros((4, 4), int)
     for edge, (i, j) in enumerate(EDGE_CORNERS):

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The places where dislocation curves leave a solid, on its layers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...geometry.nearest import NearestTriangles
+from ...geometry.tet_mesh import TetMesh
+from .defect_curves import DefectCurve
+from .surfaces import LayerSurfaces
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,7 @@ class CurveEnd:
     normal: tuple[float, float, float]
 
 
-def curve_ends(solid, surfaces, curves):
+def curve_ends(solid: TetMesh, surfaces: LayerSurfaces, curves: Sequence[DefectCurve]) -> tuple[CurveEnd, ...]:
     """:class:`CurveEnd` of each end of open curves.
 
     Parameters

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.face_crossing_curves import join_curves
+from ...geometry.face_crossing_curves import FaceCrossingCurve, join_curves
 from ...geometry.smoothing import smooth_line
+from ...geometry.tet_mesh import TetMesh
 from ...interpolate_solid import outward_signs
 
 # Smoothing goes half of the way to the middle of the neighbours, and not back: paths through tetrahedra waver over many
@@ -33,11 +34,11 @@ class DefectCurve:
     index: int
 
     @property
-    def is_closed(self):
+    def is_closed(self) -> bool:
         return len(self.tets) == len(self.faces)
 
     @property
-    def smooth_points(self):
+    def smooth_points(self) -> np.ndarray:
         """(p, 3) points without the zigzag from cell to cell; the ends of an open curve stay.
 
         They move half as many times as there are points: a ring of any size shrinks by less than the distance between
@@ -46,7 +47,7 @@ class DefectCurve:
         return smooth_line(self.points, self.is_closed, len(self.points) // 2, _STEPS)
 
 
-def defect_curves(mesh, numbers):
+def defect_curves(mesh: TetMesh, numbers: np.ndarray) -> list[DefectCurve]:
     """Join punctured faces to curves, each of which closes or ends on the boundary.
 
     Parameters
@@ -62,7 +63,7 @@ def defect_curves(mesh, numbers):
     return [_curve(mesh, strand) for strand in join_curves(numbers, mesh.tet_faces, outward_signs(mesh))]
 
 
-def _curve(mesh, strand):
+def _curve(mesh: TetMesh, strand: FaceCrossingCurve) -> DefectCurve:
     points = np.empty((len(strand.faces) + len(strand.cells), 3))
     points[0::2] = mesh.vertices[mesh.faces[strand.faces]].mean(axis=1)
     points[1::2] = mesh.vertices[mesh.tets[strand.cells]].mean(axis=1)

@@ -13,9 +13,10 @@ from itertools import pairwise
 import numpy as np
 
 from ...interpolate_solid import outward_signs
+from .crossings import LayerCrossings
 
 
-def sheets_in(crossings, numbers, tets):
+def sheets_in(crossings: LayerCrossings, numbers: np.ndarray, tets: np.ndarray) -> np.ndarray:
     """Triangles of the levels in punctured tetrahedra, normals along the growth.
 
     Parameters
@@ -57,7 +58,7 @@ def sheets_in(crossings, numbers, tets):
     return np.array(triangles, int).reshape(-1, 3)
 
 
-def _lines_on(crossings, numbers, faces):
+def _lines_on(crossings: LayerCrossings, numbers: np.ndarray, faces: np.ndarray) -> dict[int, list[tuple[int, int]]]:
     """Dict of face to the lines on it: pairs of crossings, or of one and the face's centre, the higher side on the left
     where the face's vertices in increasing order go round counterclockwise."""
     mesh = crossings.mesh
@@ -82,7 +83,7 @@ def _lines_on(crossings, numbers, faces):
     return result
 
 
-def _pair_rims(rim, centre):
+def _pair_rims(rim: list[tuple[float, int, bool]], centre: int) -> list[tuple[int, int]]:
     """Lines from where the rim goes down to where it goes up, as the higher side is to be on the left."""
     lines: list[tuple[int, int]] = []
     open_ends: list[tuple[int, bool]] = []
@@ -95,7 +96,7 @@ def _pair_rims(rim, centre):
     return lines + [(centre, crossing) if rises else (crossing, centre) for crossing, rises in open_ends]
 
 
-def _partings(changes, numbers):
+def _partings(changes: np.ndarray, numbers: np.ndarray) -> np.ndarray:
     """(f,) where to begin on the rims of faces, in sides from the first corner.
 
     Lines near a corner turn around it on one side of the puncture. The interpolant divides them at its saddle, on the

@@ -11,10 +11,11 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry import TriangleMesh
+from ...geometry.tet_mesh import TetMesh
 from ...graphs import components
-from ...interpolate import TURN
+from ...interpolate import TURN, EdgePhases
 from ...interpolate_solid import face_numbers, outward_numbers
-from .crossings import crossings_of, polygons_in
+from .crossings import LayerCrossings, crossings_of, polygons_in
 from .punctured import sheets_in
 
 
@@ -38,24 +39,26 @@ class LayerSurfaces:
     weights: np.ndarray
 
     @cached_property
-    def mesh(self):
+    def mesh(self) -> TriangleMesh:
         """All layers as a TriangleMesh."""
         return TriangleMesh(self.vertices, self.triangles)
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Number of layers."""
         return int(self.layers.max(initial=-1)) + 1
 
     @property
-    def areas(self):
+    def areas(self) -> np.ndarray:
         """(count,) of the layers."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
         return np.bincount(self.layers, areas, self.count)
 
 
-def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
+def layer_surfaces(
+    edge_phases: EdgePhases[TetMesh], heights: np.ndarray, offset: float = 0.0, by_level: bool = False
+) -> LayerSurfaces:
     """:class:`LayerSurfaces` where the phase is offset + 2 pi k.
 
     Parameters
@@ -80,7 +83,7 @@ def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
     return _number_vertices(crossings, np.concatenate([inner, faces]), len(inner), heights, by_level)
 
 
-def _halves(crossings, quads):
+def _halves(crossings: LayerCrossings, quads: np.ndarray) -> np.ndarray:
     """(2 q, 3) quads cut along their shorter diagonals."""
     ends = crossings.mesh.vertices[crossings.mesh.edges[crossings.edges]]
     points = ends[:, 0] + crossings.shares[:, None] * (ends[:, 1] - ends[:, 0])
@@ -90,7 +93,7 @@ def _halves(crossings, quads):
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def _without_doubles(triangles, faces):
+def _without_doubles(triangles: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Triangles without those that are faces of the boundary already, and without pairs of the same corners that face
     each other: a sheet that touches itself."""
     both = np.sort(np.concatenate([triangles, faces]), axis=1)
@@ -103,7 +106,7 @@ def _without_doubles(triangles, faces):
     return triangles[net[label] * sign > 0]
 
 
-def _links(triangles, inner_count):
+def _links(triangles: np.ndarray, inner_count: int) -> np.ndarray:
     """(k, 2) half-edges of neighbouring triangles that are joined.
 
     Where several sheets come together, faces of the boundary are joined with their like and inner triangles with theirs
@@ -123,7 +126,9 @@ def _links(triangles, inner_count):
     return pairs[tails[pairs[:, 0]] == heads[pairs[:, 1]]]
 
 
-def _number_vertices(crossings, triangles, inner_count, heights, by_level):
+def _number_vertices(
+    crossings: LayerCrossings, triangles: np.ndarray, inner_count: int, heights: np.ndarray, by_level: bool
+) -> LayerSurfaces:
     """:class:`LayerSurfaces` of triangles of nodes: own vertices for each sheet, numbers from bottom to top."""
     links = _links(triangles, inner_count)
     following = np.arange(triangles.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
@@ -149,7 +154,7 @@ def _number_vertices(crossings, triangles, inner_count, heights, by_level):
     return LayerSurfaces(points, vertex.reshape(-1, 3)[order].astype(int), rank[piece][order], corners, weights)
 
 
-def _levels(means, solid_pieces):
+def _levels(means: np.ndarray, solid_pieces: np.ndarray) -> np.ndarray:
     """(k,) levels of pieces of layers: whole turns that their mean heights are above the lowest of their body."""
     lowest = np.full(solid_pieces.max(initial=-1) + 1, np.inf)
     np.minimum.at(lowest, solid_pieces, means)
@@ -157,7 +162,7 @@ def _levels(means, solid_pieces):
     return np.unique(turns, return_inverse=True)[1].reshape(-1)
 
 
-def _places(crossings, nodes):
+def _places(crossings: LayerCrossings, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(p, 4) vertices of the solid between which nodes lie, and their weights."""
     mesh, count = crossings.mesh, len(crossings.edges)
     corners, weights = np.zeros((len(nodes), 4), int), np.zeros((len(nodes), 4))

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The points of a regular grid that lie in a solid, and where in its tetrahedra."""
 
+from collections.abc import Iterator
+
 import numpy as np
+
+from ...geometry.tet_mesh import TetMesh
 
 # Points that are tried at once, a few hundred bytes each.
 BATCH = 500_000
@@ -9,7 +13,9 @@ BATCH = 500_000
 SLACK = 1e-9
 
 
-def points_inside(mesh, origin, step, counts):
+def points_inside(
+    mesh: TetMesh, origin: np.ndarray, step: float, counts: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Points origin + step * (i, j, k) inside the solid, in batches: once in each tetrahedron that they lie in.
 
     So points on a wall between tetrahedra come several times.
@@ -41,14 +47,14 @@ def points_inside(mesh, origin, step, counts):
         yield places[inside], tets[inside], weights[inside]
 
 
-def _in_box(numbers, sizes):
+def _in_box(numbers: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """(k, 3) places of numbered points in boxes; negative numbers count from the end."""
     numbers, k = np.divmod(numbers, sizes[:, 2])
     numbers, j = np.divmod(numbers, sizes[:, 1])
     return np.column_stack([numbers % sizes[:, 0], j, k])
 
 
-def _weights(mesh, tets, points):
+def _weights(mesh: TetMesh, tets: np.ndarray, points: np.ndarray) -> np.ndarray:
     """(k, 4) barycentric weights of points in tetrahedra."""
     offsets = points - mesh.vertices[mesh.tets[tets, 0]]
     others = np.einsum("kix,kx->ki", mesh.hat_gradients[tets, 1:], offsets)

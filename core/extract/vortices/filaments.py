@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.face_crossing_curves import join_curves
+from ...fields.clebsch import ClebschMap
+from ...geometry.face_crossing_curves import FaceCrossingCurve, join_curves
 from ...geometry.polylines import polyline_length
 from ...geometry.smoothing import smooth_line
+from ...geometry.surface import Surface
 from ...interpolate import TURN
 from .vortex_fit import fitted_places
 
@@ -43,27 +45,27 @@ class Filament:
     share: float = 0.0
 
     @property
-    def is_loop(self):
+    def is_loop(self) -> bool:
         """Whether it comes back to itself, without a way around the box."""
         return self.is_closed and not any(self.winding)
 
     @property
-    def length(self):
+    def length(self) -> float:
         """Along it, once around a closed one."""
         return polyline_length(self.whole)
 
     @property
-    def whole(self):
+    def whole(self) -> np.ndarray:
         """(k, 3) points in one piece, those of a closed one up to where it closes."""
         return np.vstack([self.points, self.points[:1] + self.shift]) if self.is_closed else self.points
 
     @property
-    def course(self):
+    def course(self) -> np.ndarray:
         """(k, 3) points in one piece, with the first again at the end of one that goes around the box."""
         return self.whole if any(self.winding) else self.points
 
     @property
-    def parts(self):
+    def parts(self) -> list[np.ndarray]:
         """List of (k, 3) points of its parts in the box, each with the first point of the next; whole if it stays in
         it, a closed one then without its first point again."""
         if len(self.cuts) == 1 and not any(self.winding):
@@ -73,7 +75,7 @@ class Filament:
         return [whole[cut:end] + move for cut, end, move in zip(self.cuts, ends, self.moves, strict=True)]
 
 
-def filaments(found, smoothing=0):
+def filaments(found: ClebschMap, smoothing: int = 0) -> list[Filament]:
     """Filaments of a :class:`ClebschMap` in three dimensions, through the points where they pass the grid's faces.
 
     A filament that leaves through a periodic side goes on from the other one.
@@ -83,7 +85,7 @@ def filaments(found, smoothing=0):
     found : ClebschMap
     smoothing : how often each point moves towards the middle of its neighbours and back; their size stays
     """
-    grid, numbers = found.grid, found.face_numbers
+    grid, numbers = found.regular_grid, found.face_numbers
     places = np.empty((len(numbers), 3))
     passed = np.flatnonzero(numbers)
     places[passed] = puncture_places(found, passed)
@@ -91,7 +93,7 @@ def filaments(found, smoothing=0):
     return [_filament(found, strand, places, smoothing) for strand in strands if len(strand.cells)]
 
 
-def vortices(found):
+def vortices(found: ClebschMap) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vortices of a :class:`ClebschMap` in two dimensions.
 
     Returns
@@ -104,12 +106,12 @@ def vortices(found):
     return faces, puncture_places(found, faces), found.quantum * found.face_numbers[faces]
 
 
-def _filament(found, strand, places, smoothing):
+def _filament(found: ClebschMap, strand: FaceCrossingCurve, places: np.ndarray, smoothing: int) -> Filament:
     """The :class:`Filament` of a strand.
 
     Each step from face to face lies in a cell; points on a periodic side are taken where they are beside it.
     """
-    grid, faces, count = found.grid, strand.faces, len(strand.cells)
+    grid, faces, count = found.regular_grid, strand.faces, len(strand.cells)
     middles = grid.places[grid.faces[grid.cell_faces[strand.cells, 0], 0]] + grid.spacing / 2
     box = grid.spacing * grid.shape
     starts, ends = places[faces[:count]], places[np.roll(faces, -1)[:count]]
@@ -141,21 +143,21 @@ def _filament(found, strand, places, smoothing):
     )
 
 
-def puncture_places(found, faces):
+def puncture_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
     """(k, d), on a surface (k, 3), where filaments pass (k,) faces.
 
     Where the flow around a face is that of one vortex, that is where it fits best (:func:`fitted_places`); elsewhere it
     is the zero between the values at the four corners. What opposite edges ask for on average, the flow that passes
     the filament by, is taken off before; where no zero is left, the middle of the face is meant.
     """
-    grid = found.grid
-    if grid.faces.shape[1] == 3:
+    if isinstance(found.grid, Surface):
         return _triangle_places(found, faces)
+    grid = found.grid
     asked = TURN / found.quantum * found.integrals[grid.face_edges[faces]]
     across, upwards = 0.5 * (asked[:, 0] + asked[:, 2]), 0.5 * (asked[:, 1] + asked[:, 3])
     mean = np.column_stack([np.zeros(len(asked)), across, across + upwards, upwards])
     values = found.phases[grid.faces[faces]] * np.exp(-1j * mean)
-    zeros = np.column_stack(bilinear_zero(values))
+    zeros = bilinear_zero(values).T
     signs = np.sign(found.face_numbers[faces])
     fitted = fitted_places(grid, TURN / found.quantum * found.integrals, faces, signs)
     s, t = np.where(np.isnan(fitted), zeros, fitted).T
@@ -167,7 +169,7 @@ def puncture_places(found, faces):
     return places
 
 
-def _triangle_places(found, faces):
+def _triangle_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
     """The same in triangles, where what the edges ask for around is taken off them in equal parts."""
     grid = found.grid
     asked = TURN / found.quantum * grid.face_signs[faces] * found.integrals[grid.face_edges[faces]]
@@ -178,7 +180,7 @@ def _triangle_places(found, faces):
     return np.einsum("fk,fkx->fx", shares, grid.places[corners])
 
 
-def linear_zero(values):
+def linear_zero(values: np.ndarray) -> np.ndarray:
     """(k, 3) barycentric places where linear functions of (k, 3) complex corner values are zero, thirds where they are
     nowhere in the triangle."""
     following = np.roll(values, -1, axis=1)
@@ -188,8 +190,8 @@ def linear_zero(values):
     return np.where((shares >= 0).all(axis=1, keepdims=True), shares, 1 / 3)
 
 
-def bilinear_zero(values):
-    """(k,) and (k,) coordinates in 0..1 where bilinear functions of (k, 4) complex corner values, counterclockwise, are
+def bilinear_zero(values: np.ndarray) -> np.ndarray:
+    """(2, k) coordinates in 0..1 where bilinear functions of (k, 4) complex corner values, counterclockwise, are
     zero; the middle where they are nowhere."""
     a, b = values[:, 0], values[:, 1] - values[:, 0]
     c, d = values[:, 3] - values[:, 0], values[:, 0] - values[:, 1] + values[:, 2] - values[:, 3]
@@ -205,7 +207,7 @@ def bilinear_zero(values):
     return best
 
 
-def _roots(a, b, c):
+def _roots(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The two real roots of a x^2 + b x + c, NaN where there are none."""
     with np.errstate(all="ignore"):
         half = -0.5 * (b + np.where(b < 0, -1, 1) * np.sqrt(b * b - 4 * a * c))

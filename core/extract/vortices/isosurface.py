@@ -32,13 +32,13 @@ class Isosurface:
     ends: np.ndarray
     shares: np.ndarray
 
-    def interpolated(self, values):
+    def interpolated(self, values: np.ndarray) -> np.ndarray:
         """(n, ...) values at the ``shares``, from those at the grid's nodes."""
         shares = self.shares.reshape(-1, *[1] * (values.ndim - 1))
         return (1 - shares) * values[self.ends[:, 0]] + shares * values[self.ends[:, 1]]
 
 
-def smooth_surface(mesh, values, times):
+def smooth_surface(mesh: TriangleMesh, values: np.ndarray, times: int) -> np.ndarray:
     """(n, k) values at the vertices of a surface, or their places, without what changes from vertex to vertex.
 
     Each time they move half of the way to the mean of their neighbours, and then a little further back; on a boundary
@@ -50,7 +50,7 @@ def smooth_surface(mesh, values, times):
     return smooth_values(values, rows[inside], columns[inside], times, _STEPS)
 
 
-def isosurface(grid, values, level, margin=0.0):
+def isosurface(grid: Grid, values: np.ndarray, level: float, margin: float = 0.0) -> Isosurface:
     """The :class:`Isosurface` of (n,) values at the nodes of a :class:`Grid` of three dimensions.
 
     Along a periodic axis it goes on to the image of the first nodes, and is open there. Where the surface nearly
@@ -101,14 +101,14 @@ def isosurface(grid, values, level, margin=0.0):
     return Isosurface(mesh, sources[ends], shares)
 
 
-def _unroll_grid(grid):
+def _unroll_grid(grid: Grid) -> tuple[Grid, np.ndarray]:
     """A grid of one period, with the first nodes of periodic axes again behind the last ones, and (n,) the nodes that
     its own are."""
     sources = np.pad(grid.numbers, [(0, int(periodic)) for periodic in grid.periodic], mode="wrap")
     return Grid(sources.shape, grid.spacing, grid.origin, solid=grid.solid.ravel()[sources]), sources.ravel()
 
 
-def _tetrahedra(grid, inside):
+def _tetrahedra(grid: Grid, inside: np.ndarray) -> np.ndarray:
     """(6 c, 4) nodes of the open cubes that the surface passes, each as six tetrahedra around its diagonal, which fit
     those of its neighbours."""
     numbers, corners = grid.numbers, inside.reshape(grid.shape)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...fields.clebsch import SphericalMap
 from .isosurface import isosurface, smooth_surface
 
 # How far vertices are moved from the nodes of the grid before they are evened, as a share of its edges.
@@ -34,7 +35,9 @@ class Tubes:
     blobs: int = 0
 
 
-def vortex_tubes(sphere, point, opening, smoothing):
+def vortex_tubes(
+    sphere: SphericalMap, point: tuple[float, float, float] | None, opening: float, smoothing: int
+) -> Tubes:
     """The :class:`Tubes` of a :class:`SphericalMap`.
 
     Parameters
@@ -48,7 +51,7 @@ def vortex_tubes(sphere, point, opening, smoothing):
     axis /= np.linalg.norm(axis)
     angle = math.radians(opening)
     margin = _MARGIN if smoothing else 0
-    surface = isosurface(sphere.found.grid, sphere.sphere @ axis, math.cos(angle), margin)
+    surface = isosurface(sphere.found.regular_grid, sphere.sphere @ axis, math.cos(angle), margin)
     between = smooth_surface(surface.mesh, surface.interpolated(sphere.sphere), smoothing)
     # The map is on the circle there: only how far around it is taken from between the nodes.
     around = between - (between @ axis)[:, None] * axis
