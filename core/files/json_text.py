@@ -13,6 +13,8 @@ from .border import border
 
 # Kinds of values that :func:`read_kept_dict` knows besides types, dicts of kinds, and lists of kinds.
 NUMBER = (int, float)
+# An object of JSON, such as a report.
+Json = dict[str, Any]
 
 
 def json_text(value: object, indent: int | None = None) -> str:

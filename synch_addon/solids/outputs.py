@@ -7,6 +7,7 @@ from os import PathLike
 import bpy
 
 from ...core.errors import SettingError, SynchError, quote_value
+from ...core.files.json_text import Json
 from ...core.printing.machine import MACHINES, USUAL, Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
 from ...core.validation import check_path, convert_value
@@ -22,7 +23,7 @@ from .report import print_facts
 from .volume import check_volume, grid_file, make_volume
 
 
-def layer_export(obj, path, together=False):
+def layer_export(obj: bpy.types.Object, path: str | PathLike[str], together: bool = False) -> Json:
     """Write the last layers of an object to mesh files (.stl, .ply, .obj), in the world.
 
     Parameters
@@ -57,7 +58,14 @@ def layer_export(obj, path, together=False):
     }
 
 
-def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None, beads=None):
+def layer_toolpaths(
+    obj: bpy.types.Object,
+    step: float | None = None,
+    fill: str = "contour",
+    path: str | PathLike[str] | None = None,
+    machine: str | PathLike[str] | None = None,
+    beads: str | None = None,
+) -> Json:
     """Make a curve object of paths for a tool on each of the last layers of an object, in a collection of their own.
 
     Parameters
@@ -82,7 +90,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None, bea
     return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path, beads))
 
 
-def layer_volume(obj, path, resolution=128):
+def layer_volume(obj: bpy.types.Object, path: str | PathLike[str], resolution: int = 128) -> Json:
     """Write the pattern of the last layers of an object to an OpenVDB file, and make a volume object that shows it.
 
     Parameters
