@@ -111,7 +111,7 @@ reveal_type(solution.gap)
 reveal_type(check_mesh(mesh))
 """
 REVEALED = [
-    "SurfaceKeywords.*dict\\[builtins.str, Any\\]",
+    "SurfaceKeywords.*dict\\[str, Any",
     "int",
     "ndarray",
     "ndarray",

@@ -113,7 +113,7 @@ class Isolines:
 
     @property
     def lengths(self) -> np.ndarray:
-        """(l,)"""
+        """(l,) length of each line."""
         return np.bincount(self.numbers, self.steps, len(self.sizes))
 
     def chosen(self, lines: np.ndarray) -> "Isolines":
