@@ -19,8 +19,7 @@ from ..geometry.grid import Grid, box_grid
 from ..memory import at_most, machine_bytes
 from ..settings.flow import VELOCITY
 from .border import border
-from .openvdb import openvdb_module
-from .vdb_sizes import check_vdb_sizes
+from .openvdb import check_vdb_sizes, openvdb_module
 
 # Of a number in single precision.
 _VOXEL_BYTES = 4

@@ -15,6 +15,7 @@ from .leftovers import own_name, sweep
 # A path as given, the file that it leads to, and the complete one beside it.
 _Waiting = tuple[str | Path, Path, Path]
 _Check = Callable[[Path], bool]
+_IMAGE_ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9"}
 
 
 @contextmanager
@@ -162,3 +163,9 @@ def place_beside(target: Path) -> Path:
     """A place that nobody else takes, in the same folder and with the same suffix; what was left there is swept."""
     sweep(target.parent)
     return target.with_name(own_name(target.suffix))
+
+
+def is_whole_image(path: str | Path) -> bool:
+    """Whether an image file ends as files of its kind do; the other kinds raise errors while they are written."""
+    end = _IMAGE_ENDS.get(Path(path).suffix.lower(), b"")
+    return Path(path).read_bytes().endswith(end)

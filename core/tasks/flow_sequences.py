@@ -22,7 +22,7 @@ from ..settings.flow import FlowSettings
 from ..solve import Options
 from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, showing
 
-# Bytes that the maps of a frame take for each node, and those that the maps of all frames may take.
+# Bytes of the maps of a frame for each node, and the most for the maps of all frames.
 _KEPT, _MOST_KEPT = 200, 2**30
 # Shares of the work: finding the grid of all frames, and the quantum.
 _GRID, _QUANTUM = 0.03, 0.07
@@ -30,13 +30,7 @@ _GRID, _QUANTUM = 0.03, 0.07
 
 @dataclass(frozen=True)
 class FrameFile:
-    """The file of one frame.
-
-    Attributes
-    ----------
-    frame : of the scene
-    source : what its flow is read from, anew each time, so that no frame is kept longer than it is needed
-    """
+    """A frame of the scene, and what its flow is read from, each time anew so that memory holds one frame."""
 
     frame: int
     source: ArrayFile | VolumeFile
@@ -44,15 +38,7 @@ class FrameFile:
 
 @dataclass(frozen=True)
 class FlowFrame:
-    """What a frame of a sequence shows.
-
-    Attributes
-    ----------
-    frame : of the scene
-    shown : Shown
-    facts : of the solve, for the report, by their names
-    result : FlowResult, of which every point of the sphere shows other vortices; None where frames are too many
-    """
+    """What a frame shows, the facts of its solve for the report, and its result, None where frames are too many."""
 
     frame: int
     shown: Shown
@@ -66,11 +52,9 @@ class SequenceResult:
 
     Attributes
     ----------
-    grid : Grid of all frames
-    quantum : circulation of one filament in all of them
-    frames : FlowFrame of each
-    warnings : lines that the user should read, with the frames that they are of
-    seconds : none, as those of the frames are in their facts
+    grid, quantum : of all frames: the grid, and the circulation of one filament
+    warnings : lines that the user should read, with their frames
+    seconds : empty; those of the frames are in their facts
     """
 
     grid: Grid
@@ -82,18 +66,7 @@ class SequenceResult:
 
 @dataclass(frozen=True)
 class SequenceRequest:
-    """Vortices of each frame of a sequence.
-
-    Attributes
-    ----------
-    files : FrameFile of each frame
-    settings : FlowSettings
-
-    Raises
-    ------
-    SettingError
-        for a resolution that shows nothing, or a method that cannot go on from a frame
-    """
+    """Vortices of each frame of a sequence; SettingError for a resolution that shows none, or a method but "sdp"."""
 
     files: tuple[FrameFile, ...]
     settings: FlowSettings
@@ -109,15 +82,7 @@ class SequenceRequest:
         return ()
 
     def solve(self, progress: Callback | None = None) -> SequenceResult:
-        """The :class:`SequenceResult`, the circulation of a filament being the same in all frames.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SettingError
-            with one line that says what is wrong with a file
-        """
+        """Solve all frames with the same circulation of a filament; errors as :meth:`FlowRequest.solve`."""
         monitor, count = Monitor(progress), len(self.files)
 
         def reading(part: float, share: float) -> Callable[[int], None]:
@@ -170,9 +135,9 @@ class SequenceRequest:
         return found, following_sphere(sphere, found, of_sphere), warnings
 
     def _common_grid(self, step: Callable[[int], None]) -> Grid:
-        """A grid that holds the flow of every frame; ``step`` is called with the number of each file before it is read.
+        """A grid that holds the flow of every frame; SettingError where files have grids that differ.
 
-        SettingError where files hold grids of their own that differ.
+        ``step`` is called with the number of each file before it is read.
         """
         low, high, fixed = np.full(3, np.inf), np.full(3, -np.inf), None
         for number, file in enumerate(self.files):
@@ -193,7 +158,7 @@ class SequenceRequest:
         return fixed or box_grid(low, high, self.settings.resolution)
 
     def _quantum(self, grid: Grid, step: Callable[[int], None]) -> float:
-        """That of the frame with most vorticity."""
+        """The circulation of a filament, from the frame with most vorticity."""
         largest, most = 0.0, None
         for number, file in enumerate(self.files):
             step(number)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is made of solved layers: paths for a tool, and a grid of the pattern."""
+"""Paths for a tool on solved layers, and the pattern on a regular grid."""
 
 import math
 from dataclasses import dataclass, field
@@ -33,10 +33,9 @@ class PathSettings:
 
     Attributes
     ----------
-    step : distance between two, in scene units; None for the machine's bore, or the mean spacing of the layers
-    fill : "contour", one inside the other from the rim inwards, the first half a step from it, and along the middle
-        of what they leave; or in planes across an axis of the object, a step apart, "across-x" ...
-    machine : Machine that prints them
+    step : distance between paths in scene units; None for the machine's bore, or the mean spacing of the layers
+    fill : "contour" for paths inside one another, the first half a step from the rim, and one along the middle of the
+        remaining space; "across-x" and so on for paths in planes across an axis of the object, a step apart
     """
 
     step: float | None = None
@@ -56,11 +55,10 @@ class Layering:
 
     Attributes
     ----------
-    pattern : LayerPattern, whose mesh is the solid in scene units, along the object's axes: its scale has been applied,
-        its place and turn have not
-    surfaces : LayerSurfaces in the solid's space
-    curves : DefectCurves in the solid's space
-    matrix : (4, 4) from the solid's space to the world: the place, turn and mirroring of the object, without its scale
+    pattern : its mesh is the solid in scene units, along the object's axes: with the object's scale, without its place
+        and turn
+    surfaces, curves : in the solid's space
+    matrix : (4, 4) from the solid's space to the world: the place, turn and mirroring of the object
     """
 
     pattern: LayerPattern
@@ -70,17 +68,16 @@ class Layering:
 
     @property
     def solid(self) -> TetMesh:
-        """The TetMesh."""
         return self.pattern.mesh
 
     @property
     def spacing(self) -> float:
-        """Mean distance of the layers; the solid's diagonal where no two of them follow one another."""
+        """Mean distance of the layers; the solid's diagonal where there is no distance to measure."""
         mean = float(self.pattern.spacings.mean)
         return mean if math.isfinite(mean) else float(np.linalg.norm(np.ptp(self.solid.vertices, axis=0)))
 
     def paths(self, settings: PathSettings) -> "PathsRequest":
-        """The :class:`PathsRequest` of :class:`PathSettings`."""
+        """The request for paths with these settings."""
         step = settings.step
         if step is None:
             machine = settings.machine
@@ -88,23 +85,13 @@ class Layering:
         return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
     def voxels(self, resolution: int) -> "VoxelsRequest":
-        """The :class:`VoxelsRequest` of so many voxels along the longest side; too many in all are refused."""
+        """The request for a grid with so many voxels along its longest side."""
         return VoxelsRequest(self.solid, self.pattern.tet_phases, resolution)
 
 
 @dataclass(frozen=True)
 class PathsRequest:
-    """Paths that are asked for.
-
-    Attributes
-    ----------
-    surfaces : LayerSurfaces
-    solid : TetMesh
-    matrix : (4, 4) from the solid's space to the world
-    step : between paths, in scene units
-    spacing : mean distance of the layers
-    settings : PathSettings
-    """
+    """Paths to make, ``step`` apart in scene units; arrays as in :class:`Layering`."""
 
     surfaces: LayerSurfaces
     solid: TetMesh
@@ -119,15 +106,8 @@ class PathsRequest:
         return (self.surfaces.mesh,)
 
     def solve(self, progress: Callback | None = None) -> PrintPlan:
-        """The :class:`PrintPlan`.
-
-        Raises
-        ------
-        SettingError
-            where the step is wider than every layer, or makes more points than there may be
-        Cancelled
-            when the progress is answered with False
-        """
+        """Plan the print; SettingError for a step that is wider than every layer or makes too many points, Cancelled
+        when ``progress`` returns False."""
         monitor = Monitor(progress)
         monitor.at("tool paths", 0.0)
         beads = monitor.during(self._beads)
@@ -149,14 +129,7 @@ class PathsRequest:
 
 @dataclass(frozen=True)
 class VoxelsRequest:
-    """A grid of the pattern that is asked for; a resolution that makes too many voxels is refused.
-
-    Attributes
-    ----------
-    solid : TetMesh
-    phases : TetPhases in it
-    resolution : voxels along the longest side
-    """
+    """A grid of the pattern to make; SettingError for a resolution that makes too many voxels."""
 
     solid: TetMesh
     phases: TetPhases
@@ -172,17 +145,11 @@ class VoxelsRequest:
 
     @property
     def shared(self) -> tuple[()]:
-        """Nothing."""
+        """Nothing: all of it is sent."""
         return ()
 
     def solve(self, progress: Callback | None = None) -> "Voxels":
-        """The :class:`Voxels`.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        """
+        """Evaluate the pattern; Cancelled when ``progress`` returns False."""
         monitor = Monitor(progress)
         monitor.at("voxels", 0.0)
         return monitor.during(self._sampled)
@@ -199,12 +166,12 @@ class VoxelsRequest:
 
     @property
     def _layout(self) -> tuple[float, np.ndarray]:
-        """Size of the voxels, and (3,) how many there are along each axis."""
+        """Size of the voxels, and (3,) their number along each axis."""
         return _grid(np.ptp(self.solid.vertices, axis=0), self.resolution)
 
     @property
     def _fitting(self) -> int:
-        """A resolution not much below the largest that makes no more voxels than the most."""
+        """A resolution that is allowed, not much below the largest."""
         extents, resolution = np.ptp(self.solid.vertices, axis=0), self.resolution
         while _grid(extents, resolution)[1].prod(dtype=float) > MOST_VOXELS:
             resolution = int(0.95 * resolution)
@@ -217,9 +184,8 @@ class Voxels:
 
     Attributes
     ----------
-    values : (i, j, k) float32 of cos(phase) at the voxels' middles: 1 on the layers, above -1 in the solid and -1
-        outside
-    origin : (3,) middle of the first voxel
+    values : (i, j, k) float32, cos(phase) at the centres of the voxels: 1 on layers, above -1 in the solid, -1 outside
+    origin : (3,) centre of the first voxel
     step : size of a voxel
     """
 

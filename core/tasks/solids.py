@@ -9,8 +9,7 @@ import numpy as np
 
 from ..errors import SettingError
 from ..extract.layers.crossings import refuse_too_many_layers
-from ..extract.layers.curve_ends import CurveEnd, curve_ends
-from ..extract.layers.defect_curves import DefectCurve, defect_curves
+from ..extract.layers.defect_curves import CurveEnd, DefectCurve, curve_ends, defect_curves
 from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
 from ..fields.guidance.solids import extend_directions, have_directions
@@ -29,33 +28,23 @@ from ..printing.flush import FAR, far_share
 from ..solution import Clock
 from ..solve import Options
 
-# A solid that has lost more than this share of the surface's volume has lost a part that can be seen.
-LOST_VOLUME = 0.1
-# Areas of which the solid covers less are told about.
-COVERED = 0.95
-# A guide without a direction in more of the volume is told about.
-CONTINUED = 0.1
+# Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, and of
+# its volume where the guide has no direction.
+LOST_VOLUME, COVERED, CONTINUED = 0.1, 0.95, 0.1
 # Where the parts of the work begin, as shares of it.
 _GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
 
 
 @dataclass(frozen=True)
 class SolidGuide:
-    """What layers follow.
-
-    Attributes
-    ----------
-    label : what errors call it
-    compute : callable that can be pickled, FilledSurface -> (n, 3) vectors at the solid's vertices
-        (:mod:`..fields.guidance.filled`)
-    """
+    """What layers follow: its name in errors, and a function that can be pickled (:mod:`..fields.guidance.filled`),
+    whose result are (n, 3) vectors at the solid's vertices."""
 
     label: str
     compute: Callable[[FilledSurface], np.ndarray]
 
     def directions(self, filled: FilledSurface) -> tuple[np.ndarray, float]:
-        """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they only continue those
-        around; errors name the guide."""
+        """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they continue those around."""
         try:
             vectors = self.compute(filled)
         except SettingError as error:
@@ -66,13 +55,8 @@ class SolidGuide:
 
 @dataclass(frozen=True)
 class AskedArea:
-    """A part of the surface that layers follow.
-
-    Attributes
-    ----------
-    area : Area
-    phase : radians, 0 for a layer on it; None for one that is left to the solver, the same all over each piece of it
-    """
+    """A part of the surface that layers follow, with its phase in radians, 0 for a layer on it; None leaves the phase
+    to the solver, one for each piece of the area."""
 
     area: Area
     phase: float | None
@@ -80,20 +64,15 @@ class AskedArea:
 
 @dataclass(frozen=True)
 class SolidRequest:
-    """Layers that are asked for.
+    """Layers to solve for.
 
     Attributes
     ----------
-    surface : ClosedSurface
-    solid : TetMesh whose boundary it is, None for one that fills it
-    guide : SolidGuide
-    asked : AskedAreas
-    lengths : Lengths
-    factors : (n,) at the surface's vertices, on the spacing; None for 1
-    options : of the solve
-    branching : share of the branches that even distances need
+    solid : the given solid whose boundary is the surface; None for one that fills it
+    factors : (n,) at the surface's vertices, by which the spacing is multiplied; None for 1
+    branching : share of the growth's curl that is kept (:func:`core.fields.layers.layer_problem`)
     limits : of the distance of layers, in scene units
-    by_level : number levels, instead of each connected piece by itself
+    by_level : number levels instead of connected pieces
     """
 
     surface: ClosedSurface
@@ -113,15 +92,8 @@ class SolidRequest:
         return (self.surface.mesh,) if self.solid is None else (self.surface.mesh, self.solid)
 
     def solve(self, progress: Callback | None = None) -> "SolidResult":
-        """The :class:`SolidResult`.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SynchError
-            with one line that says what is wrong and the remedy, also where memory would not do
-        """
+        """Fill the surface, solve and extract; Cancelled when ``progress`` returns False, SynchError for everything
+        else, insufficient memory included."""
         monitor, clock = Monitor(progress), Clock()
         expected = self.estimate
         check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
@@ -177,7 +149,7 @@ class SolidRequest:
         return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
 
     def _asked(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
-        """Directions, where they continue others, spacings and groups on the solid."""
+        """Directions, the share of those that are continued, spacings and groups on the solid."""
         directions, continued = self.guide.directions(filled)
         spacings: float | np.ndarray = self.lengths.spacing
         if self.factors is not None:
@@ -185,7 +157,7 @@ class SolidRequest:
         return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
 
     def _far(self, surfaces: LayerSurfaces) -> dict[str, float]:
-        """Shares of the areas that a layer should lie on which are far from all, by their names."""
+        """By their names, the share of each area that should carry a layer which is far from all layers."""
         mesh, spacing = self.surface.mesh, self.lengths.spacing
         held = [asked.area for asked in self.asked if asked.phase == 0]
         return {area.name: far_share(mesh, area.triangles, surfaces, spacing) for area in held}
@@ -241,20 +213,17 @@ class SolidRequest:
 
 @dataclass(frozen=True)
 class SolidResult:
-    """What was found in a solid.
+    """Layers of a solid.
 
     Attributes
     ----------
-    pattern : LayerPattern, whose mesh is the solid in scene units, along the object's axes
-    surfaces : LayerSurfaces in the solid's space
-    curves : DefectCurves in the solid's space
-    ends : CurveEnds of these
-    phases : SurfacePhases
-    outside : share of the volume in which layers end or their distance is outside of the limits, 0 without limits
-    continued : share of the volume in which the guide has no direction of its own
-    far : shares of the areas that a layer should lie on which are far from all layers, by their names
+    pattern : its mesh is the solid in scene units, along the object's axes
+    surfaces, curves, ends : in the solid's space
+    outside : share of the volume in which layers end or their distance is outside the limits, 0 without limits
+    continued : share of the volume in which the guide has no direction
+    far : by its name, the share of each area that should carry a layer which is far from all layers
     warnings : lines that the user should read
-    seconds : that parts of the work took, by their names
+    seconds : of the parts of the work, by their names
     """
 
     pattern: LayerPattern

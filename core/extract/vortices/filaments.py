@@ -24,14 +24,13 @@ class Filament:
 
     Attributes
     ----------
-    points : (p, 3), in one piece also where they leave a periodic box; a closed one goes on from the last to the first,
-        moved by ``shift``
+    points : (p, 3), in one piece also where they leave a periodic box; a closed one continues from the last to the
+        first, moved by ``shift``
     strength : circulation around it, counterclockwise seen from its head
-    is_closed : bool
-    winding : how often it goes around the box along each axis until it closes, zeros where it comes back to itself
-    shift : (3,) that often the box
-    cuts : first point of each part that lies in the box by itself, 0 the first one
-    moves : (k, 3) that take the parts into the box
+    winding : how often it goes around the box along each axis until it closes; zeros for a loop
+    shift : (3,) the box times the winding
+    cuts : first point of each part that lies in the box, 0 the first one
+    moves : (k, 3) translations of the parts into the box
     share : of the flow's vorticity that it carries
     """
 
@@ -46,28 +45,28 @@ class Filament:
 
     @property
     def is_loop(self) -> bool:
-        """Whether it comes back to itself, without a way around the box."""
+        """Whether it closes without going around the box."""
         return self.is_closed and not any(self.winding)
 
     @property
     def length(self) -> float:
-        """Along it, once around a closed one."""
+        """Its length, that of a closed one once around."""
         return polyline_length(self.whole)
 
     @property
     def whole(self) -> np.ndarray:
-        """(k, 3) points in one piece, those of a closed one up to where it closes."""
+        """(k, 3) points in one piece; a closed one ends where it closes."""
         return np.vstack([self.points, self.points[:1] + self.shift]) if self.is_closed else self.points
 
     @property
     def course(self) -> np.ndarray:
-        """(k, 3) points in one piece, with the first again at the end of one that goes around the box."""
+        """(k, 3) points in one piece; one that goes around the box ends where it closes."""
         return self.whole if any(self.winding) else self.points
 
     @property
     def parts(self) -> list[np.ndarray]:
-        """List of (k, 3) points of its parts in the box, each with the first point of the next; whole if it stays in
-        it, a closed one then without its first point again."""
+        """(k, 3) points of each part in the box, with the first point of the next part; a loop that stays in the box is
+        one part, which does not repeat its first point."""
         if len(self.cuts) == 1 and not any(self.winding):
             return [self.points + self.moves[0]]
         whole = self.whole
@@ -76,14 +75,10 @@ class Filament:
 
 
 def filaments(found: ClebschMap, smoothing: int = 0) -> list[Filament]:
-    """Filaments of a :class:`ClebschMap` in three dimensions, through the points where they pass the grid's faces.
+    """Filaments of a map in space, through the points where they pass the grid's faces.
 
-    A filament that leaves through a periodic side goes on from the other one.
-
-    Parameters
-    ----------
-    found : ClebschMap
-    smoothing : how often each point moves towards the middle of its neighbours and back; their size stays
+    A filament that leaves through a periodic side continues from the other one. Smoothing is how often each point moves
+    towards the middle of its neighbours and back, which keeps the filaments' size.
     """
     grid, numbers = found.regular_grid, found.face_numbers
     places = np.empty((len(numbers), 3))
@@ -94,7 +89,7 @@ def filaments(found: ClebschMap, smoothing: int = 0) -> list[Filament]:
 
 
 def vortices(found: ClebschMap) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vortices of a :class:`ClebschMap` in two dimensions.
+    """Vortices of a map in two dimensions.
 
     Returns
     -------
@@ -107,16 +102,14 @@ def vortices(found: ClebschMap) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _filament(found: ClebschMap, strand: FaceCrossingCurve, places: np.ndarray, smoothing: int) -> Filament:
-    """The :class:`Filament` of a strand.
-
-    Each step from face to face lies in a cell; points on a periodic side are taken where they are beside it.
-    """
+    """The :class:`Filament` of a curve, whose steps from face to face each lie in a cell; points on a periodic side are
+    taken beside that cell."""
     grid, faces, count = found.regular_grid, strand.faces, len(strand.cells)
     middles = grid.places[grid.faces[grid.cell_faces[strand.cells, 0], 0]] + grid.spacing / 2
     box = grid.spacing * grid.shape
     starts, ends = places[faces[:count]], places[np.roll(faces, -1)[:count]]
     starts, ends = (p + box * np.rint((middles - p) / box * grid.periodic) for p in (starts, ends))
-    # Boxes between the end of each step and the start of the next, around a closed one.
+    # Boxes between the end of each step and the start of the next.
     leaps = np.rint((ends - np.roll(starts, -1, axis=0)) / box)
     if strand.is_closed and leaps.any():
         first = np.flatnonzero(leaps.any(axis=1))[0] + 1
@@ -127,7 +120,7 @@ def _filament(found: ClebschMap, strand: FaceCrossingCurve, places: np.ndarray, 
         winding = leaps.sum(axis=0).astype(int)
     else:
         points = np.vstack([points, ends[-1:] + box * passed[-1:]])
-    # What goes around the box evenly stays as it is.
+    # Smoothing leaves the even part of the way around the box as it is.
     ramp = np.linspace(0, 1, len(points), endpoint=False)[:, None] * (box * winding)
     points = ramp + smooth_line(points - ramp, strand.is_closed, smoothing, _STEPS)
     cuts = (0, *(np.flatnonzero(leaps[:-1].any(axis=1)) + 1).tolist())
@@ -146,9 +139,9 @@ def _filament(found: ClebschMap, strand: FaceCrossingCurve, places: np.ndarray, 
 def puncture_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
     """(k, d), on a surface (k, 3), where filaments pass (k,) faces.
 
-    Where the flow around a face is that of one vortex, that is where it fits best (:func:`fitted_places`); elsewhere it
-    is the zero between the values at the four corners. What opposite edges ask for on average, the flow that passes
-    the filament by, is taken off before; where no zero is left, the middle of the face is meant.
+    Where the flow around a face is that of one vortex, its best fit (:func:`fitted_places`); elsewhere the zero between
+    the values at the four corners, after the mean of opposite edges, the flow past the filament, has been subtracted;
+    the middle of the face if there is no zero.
     """
     if isinstance(found.grid, Surface):
         return _triangle_places(found, faces)
@@ -170,7 +163,7 @@ def puncture_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
 
 
 def _triangle_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
-    """The same in triangles, where what the edges ask for around is taken off them in equal parts."""
+    """The same in triangles, where the circulation asked for is subtracted from the edges in equal parts."""
     grid = found.grid
     asked = TURN / found.quantum * grid.face_signs[faces] * found.integrals[grid.face_edges[faces]]
     asked = asked - asked.mean(axis=1, keepdims=True)
@@ -181,8 +174,8 @@ def _triangle_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
 
 
 def linear_zero(values: np.ndarray) -> np.ndarray:
-    """(k, 3) barycentric places where linear functions of (k, 3) complex corner values are zero, thirds where they are
-    nowhere in the triangle."""
+    """(k, 3) barycentric coordinates of the zeros of linear functions with (k, 3) complex corner values; thirds where a
+    triangle contains none."""
     following = np.roll(values, -1, axis=1)
     shares = np.roll((values.conj() * following).imag, -1, axis=1)
     total = shares.sum(axis=1, keepdims=True)
@@ -192,7 +185,7 @@ def linear_zero(values: np.ndarray) -> np.ndarray:
 
 def bilinear_zero(values: np.ndarray) -> np.ndarray:
     """(2, k) coordinates in 0..1 where bilinear functions of (k, 4) complex corner values, counterclockwise, are
-    zero; the middle where they are nowhere."""
+    zero; the middle where they have no zero."""
     a, b = values[:, 0], values[:, 1] - values[:, 0]
     c, d = values[:, 3] - values[:, 0], values[:, 0] - values[:, 1] + values[:, 2] - values[:, 3]
     # a + b s + c t + d s t = 0 with s real: the imaginary part of (a + c t) conj(b + d t) vanishes.
