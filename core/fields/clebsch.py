@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clebsch maps of a flow: vortex filaments of equal strength, and tubes (paper, Sections 3.6 and 4.6).
 
-A phase that turns with the velocity, d theta = velocity / hbar, is possible only up to vortex filaments, each of which
-carries the circulation h = 2 pi hbar. Two complex numbers instead of one, a point of the sphere S^3, need no filaments:
-their Hopf map to S^2 shows vortex tubes, and each of its projections is a map with filaments again.
+A phase with d theta = velocity / hbar exists only up to vortex filaments, each of which carries the circulation
+h = 2 pi hbar. Two complex numbers, a point of the sphere S^3, need no filaments: their Hopf map to S^2 shows vortex
+tubes, and each of their projections is a map with filaments again.
 """
 
 import time
@@ -27,24 +27,16 @@ from ..problem import Merged, SynchronizationProblem
 from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
 
-# Filaments that may pass a face on average. Between two corners a phase tells less than half a turn from more, and
-# each passage of a filament takes some hundred bytes.
+# The most filaments through a face on average: phases at two corners do not distinguish turns of more than a half.
 MOST_QUANTA = 0.5
 TINY = np.finfo(float).tiny
 
 
 def edge_integrals(grid: Grid | Surface, velocity: ArrayLike) -> np.ndarray:
-    """(e,) integral of a velocity along each edge, by the trapezoidal rule.
+    """(e,) integrals of a velocity along the edges, by the trapezoidal rule.
 
-    Parameters
-    ----------
-    grid : Grid, or Surface
-    velocity : (n, d) at the nodes; of a surface (n, 3), of which the tangential part counts
-
-    Raises
-    ------
-    SettingError
-        for another shape, or values that are not numbers, naming the first node
+    The velocity is (n, d) at the nodes; on a surface (n, 3), whose tangential part counts. Raises SettingError for
+    another shape, or values that are not finite, naming the first node.
     """
     velocity = np.asarray(velocity, float)
     if isinstance(grid, Surface):
@@ -67,7 +59,7 @@ def edge_integrals(grid: Grid | Surface, velocity: ArrayLike) -> np.ndarray:
 
 
 def _surface_integrals(mesh: TriangleMesh, velocity: np.ndarray) -> np.ndarray:
-    """The same on a surface, where an edge lies at known angles in the tangent planes of both its ends."""
+    """The same on a surface, where an edge has known angles in the tangent planes of its ends."""
     if velocity.shape != mesh.vertices.shape:
         raise SettingError(
             f"velocities of the shape {velocity.shape} on {mesh.vertex_count} vertices: give three numbers a vertex"
@@ -82,53 +74,41 @@ def _surface_integrals(mesh: TriangleMesh, velocity: np.ndarray) -> np.ndarray:
 
 
 def circulations(grid: Grid | Surface, integrals: np.ndarray) -> np.ndarray:
-    """(f,) circulation around each face, which is the vorticity through it."""
+    """(f,) circulation around each face: the flux of the vorticity through it."""
     return sum(sign * integrals[edge] for sign, edge in zip(grid.face_signs.T, grid.face_edges.T, strict=True))
 
 
 def mean_circulation(grid: Grid | Surface, integrals: np.ndarray) -> float:
-    """Mean of the circulations around all faces that the flow reaches, whichever way."""
+    """Mean of the absolute circulations around the faces that the flow reaches."""
     reached = grid.face_signs.any(axis=1)
     return float(np.abs(circulations(grid, integrals)[reached]).mean())
 
 
 def faces_of_filament(grid: Grid | Surface, integrals: np.ndarray, quantum: float) -> float:
-    """Faces that share the circulation of one filament, on average over the vorticity: few where cores are thin."""
+    """Number of faces over which the circulation of a filament is spread, a mean over the vorticity."""
     reached = grid.face_signs.any(axis=1)
     around = np.abs(circulations(grid, integrals)[reached])
     return float(quantum * around.sum() / (around**2).sum())
 
 
 def quantum_for(grid: Grid | Surface, integrals: np.ndarray, count: float) -> float:
-    """The circulation h of one filament so that about ``count`` of them pass the plane with most vorticity.
-
-    In two dimensions there is one plane. What passes it one way counts, the way in which more does.
-
-    Raises
-    ------
-    SettingError
-        for a flow without vorticity
-    """
+    """The circulation h of a filament for about ``count`` filaments through the plane with most vorticity, in the
+    direction in which more pass; SettingError for a flow without vorticity."""
     largest = layer_sums(grid, circulations(grid, integrals))
-    if largest <= 1e-9 * np.abs(integrals).sum():  # what rounding makes of a flow without any
+    if largest <= 1e-9 * np.abs(integrals).sum():  # rounding errors
         raise SettingError("the flow has no vorticity: there are no vortices to show")
     return largest / count
 
 
 def layer_sums(grid: Grid | Surface, fluxes: np.ndarray) -> float:
-    """The largest sum of (f,) numbers through the faces of one plane that have the same sign."""
+    """The largest sum of the (f,) numbers of one sign on a plane of the grid."""
     layers = grid.face_layers if isinstance(grid, Grid) and grid.dimension == 3 else np.zeros(len(fluxes), int)
     return max(np.bincount(layers, np.maximum(way, 0)).max(initial=0) for way in (fluxes, -fluxes))
 
 
 def clebsch_problem(grid: Grid | Surface, integrals: np.ndarray, quantum: float) -> SynchronizationProblem:
-    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13).
-
-    Raises
-    ------
-    SettingError
-        for a circulation that is not positive, or so small that more than ``MOST_QUANTA`` pass a face on average
-    """
+    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13); SettingError for
+    one that is not positive, or with more than ``MOST_QUANTA`` filaments through a face on average."""
     if not (np.isfinite(quantum) and quantum > 0):
         raise SettingError(f"the circulation of a filament is {quantum}: give a positive one")
     mean = mean_circulation(grid, integrals)
@@ -144,7 +124,7 @@ def clebsch_problem(grid: Grid | Surface, integrals: np.ndarray, quantum: float)
 
 
 def _merge_seam_sides(grid: Grid | Surface) -> Merged | None:
-    """The two sides of a one-sided surface's seam, where there is one: what a velocity makes of a phase has no side."""
+    """Merge both sides of the seam of a one-sided surface: the phase of a velocity does not depend on the side."""
     if not isinstance(grid, Surface) or grid.seam is None:
         return None
     labels = components(grid.node_count, grid.seam)
@@ -159,12 +139,8 @@ class ClebschMap:
 
     Attributes
     ----------
-    grid : Grid, or Surface
     integrals : (e,) of the velocity along the edges
     quantum : circulation of one filament
-    problem : SynchronizationProblem
-    options : Options of the solution
-    solution : Solution
     phases : (n,) complex, the solution's or others (:meth:`showing`)
     """
 
@@ -184,7 +160,7 @@ class ClebschMap:
 
     @property
     def energy(self) -> float:
-        """Of the phases that are shown."""
+        """The energy of the phases."""
         return self.problem.energy(self.phases)
 
     def showing(self, phases: np.ndarray) -> "ClebschMap":
@@ -193,19 +169,19 @@ class ClebschMap:
 
     @property
     def lean(self) -> "ClebschMap":
-        """The map without what only its solve needs."""
+        """The map without data that only its solve needs."""
         solution = replace(self.solution, lifted=None, variations=self.solution.phases[None])
         problem = clebsch_problem(self.grid, self.integrals, self.quantum)
         return replace(self, problem=problem, solution=solution)
 
     @cached_property
     def vorticity(self) -> float:
-        """Of the flow through all faces, whichever way."""
+        """Sum of the absolute circulations around all faces."""
         return float(np.abs(circulations(self.grid, self.integrals)).sum())
 
     @cached_property
     def changes(self) -> np.ndarray:
-        """(e,) phase change along each edge, the nearest to what the flow asks for."""
+        """(e,) phase change along each edge, the one nearest to the flow's."""
         i, j = self.grid.edges.T
         asked = TURN / self.quantum * self.integrals
         arguments = np.angle(self.phases)
@@ -213,19 +189,19 @@ class ClebschMap:
 
     @cached_property
     def face_numbers(self) -> np.ndarray:
-        """(f,) filaments through each face, counted with their direction; they cancel around every cell."""
+        """(f,) signed number of filaments through each face; the sum over a cell is zero."""
         return np.rint(circulations(self.grid, self.changes) / TURN).astype(int)
 
     @cached_property
     def face_shares(self) -> np.ndarray:
-        """(f,) what a filament that passes a face in the direction of its normal carries there of the flow's vorticity
-        through all faces; negative where the flow's vorticity goes the other way."""
+        """(f,) share of the vorticity that a filament along a face's normal carries there; negative against the
+        flow."""
         return self.quantum * np.sign(circulations(self.grid, self.integrals)) / max(self.vorticity, TINY)
 
     @property
     def vorticity_share(self) -> float | None:
-        """What of the flow's vorticity through all faces the filaments carry, less what they carry against it; None for
-        a flow without any."""
+        """Share of the flow's vorticity that the filaments carry, less what they carry against it; None if there is
+        none."""
         return float(self.face_numbers @ self.face_shares) if self.vorticity else None
 
 
@@ -235,10 +211,10 @@ class SphericalMap:
 
     Attributes
     ----------
-    found : ClebschMap whose relaxation it comes from
+    found : the map whose relaxation it comes from
     lifted : (n, 2) complex, unit rows
-    energy : of the lifted problem (Eq. 16 at epsilon 1); no less than the relaxation's bound
-    seconds : that it took
+    energy : of the lifted problem (Eq. 16 at epsilon 1), not below the relaxation's bound
+    seconds : of the solve
     """
 
     found: ClebschMap
@@ -248,15 +224,15 @@ class SphericalMap:
 
     @cached_property
     def sphere(self) -> np.ndarray:
-        """(n, 3) unit vectors, the Hopf map: vortex tubes are where it goes around a point."""
+        """(n, 3) unit vectors, the Hopf map: vortex tubes surround the places where it meets a point."""
         first, second = self.lifted.T
         both = 2 * first.conj() * second
         return np.column_stack([both.real, both.imag, np.abs(first) ** 2 - np.abs(second) ** 2])
 
     def seen_from(self, point: ArrayLike) -> ClebschMap:
-        """The :class:`ClebschMap` whose filaments are where the map to S^2 meets the antipode of a unit vector."""
+        """The map to the circle whose filaments are where the map to S^2 meets the antipode of a point."""
         x, y, z = np.asarray(point, float) / np.linalg.norm(point)
-        # A pair of complex numbers that the Hopf map takes to the point: the projection is on it.
+        # Project on a pair of complex numbers whose Hopf image is the point.
         theta, phi = np.arccos(np.clip(z, -1, 1)), np.arctan2(y, x)
         direction = np.array([np.cos(theta / 2), np.exp(1j * phi) * np.sin(theta / 2)])
         values = self.lifted @ direction.conj()
@@ -265,16 +241,13 @@ class SphericalMap:
 
     @cached_property
     def face_areas(self) -> np.ndarray:
-        """(f,) signed area of S^2 that the map covers on each face, over 4 pi: vorticity through it, in quanta."""
+        """(f,) signed area of S^2 that the map covers on each face, over 4 pi: its vorticity in quanta."""
         first, *others = np.moveaxis(self.sphere[self.found.grid.faces], 1, 0)
         return np.sum([_solid_angles(first, b, c) for b, c in pairwise(others)], axis=0) / (4 * np.pi)
 
 
 def spherical_map(found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
-    """The :class:`SphericalMap` of a solved :class:`ClebschMap`: its relaxation at rank 2.
-
-    It has what the map left of its time limit, and comes less far where that is short.
-    """
+    """Solve the relaxation of a map at rank 2, within the rest of its time limit."""
     begin = time.perf_counter()
     problem = found.problem
     coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback)
@@ -298,14 +271,9 @@ def clebsch_map(
     callback: Callback | None = None,
     start: Solution | None = None,
 ) -> ClebschMap:
-    """The :class:`ClebschMap` of a flow.
+    """Solve for the map of a flow with (e,) integrals along the edges (:func:`edge_integrals`).
 
-    Parameters
-    ----------
-    grid : Grid, or Surface
-    integrals : (e,) of the velocity along the edges (:func:`edge_integrals`)
-    quantum : circulation of one filament
-    options, callback, start : see :func:`core.solve.solve`
+    The quantum is the circulation of one filament; options, callback and start are those of :func:`core.solve.solve`.
     """
     options = Options() if options is None else options
     problem = clebsch_problem(grid, integrals, quantum)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The circulation of one filament, chosen by what quick solves on coarser and coarser grids show with it."""
+"""The circulation of one filament, chosen by quick solves on coarser grids."""
 
 from contextlib import suppress
 
@@ -21,11 +21,11 @@ from .clebsch import (
     quantum_for,
 )
 
-# Circulations that are tried fall by this factor; a share of the vorticity may exceed the whole by so much.
+# Circulations that are tried decrease by this factor; the share of the vorticity may be up to this.
 STEP, EXCESS = 0.5**0.5, 1.1
-# Nodes of the grid that the search begins on at most, and of the finest that it goes on to.
+# The most nodes of the grid where the search begins, and of the finest grid.
 COARSE_NODES, FINE_NODES = 5_000, 40_000
-# Quick solves find some more filaments than full ones: their share has to be larger by this.
+# Quick solves find slightly more filaments than full ones: their share has to be larger by this.
 MARGIN = 0.03
 
 
@@ -38,26 +38,15 @@ def find_quantum(
     seed: int = 0,
     callback: Callback | None = None,
 ) -> float:
-    """The largest circulation of a filament with which the filaments carry a share of the vorticity.
+    """The largest circulation of a filament, to three digits, with which the filaments carry a share of the vorticity;
+    if there is none, the least that the grid can hold. SettingError for a flow without vorticity.
 
     Parameters
     ----------
-    grid : Grid, or Surface
     integrals : (e,) of the velocity along the edges
-    share : of the vorticity that is wanted
-    count : filaments that have to pass one plane of the grid one way; a number decides in place of the share
-    largest : circulation that is tried first; None for all that passes the plane with most vorticity
+    count : filaments through one plane of the grid, one way; decides instead of the share
+    largest : circulation to try first; None for all that passes the plane with most vorticity
     seed : of the quick solves
-    callback : see :func:`core.solve.solve`
-
-    Returns
-    -------
-    float, of three digits; the least that the grid can hold where no circulation gives as much
-
-    Raises
-    ------
-    SettingError
-        for a flow without vorticity
     """
     options, monitor = Options(method="coarse", seed=seed), Monitor(callback)
     most = quantum_for(grid, integrals, count or 1)
@@ -75,36 +64,29 @@ def find_quantum(
 
 
 def shows_enough(found: ClebschMap, share: float, count: float | None = None) -> bool:
-    """Whether the filaments of a :class:`ClebschMap` carry a share of the vorticity, or, if a count is given, whether
-    so many of them pass one plane of the grid one way."""
+    """Whether the filaments of a map carry a share of the vorticity, or pass one plane of the grid as often as
+    given."""
     if count is None:
         return (found.vorticity_share or 0) >= share
     return layer_sums(found.grid, found.face_numbers) >= count
 
 
 def least_quantum(grid: Grid | Surface, integrals: np.ndarray) -> float:
-    """The circulation below which phases can hardly tell the filaments that pass a face apart."""
+    """The circulation below which phases hardly distinguish the filaments through a face."""
     return 2 * mean_circulation(grid, integrals) / MOST_QUANTA
 
 
 def _rounded(quantum: float) -> float:
-    """To three digits, as messages name it."""
+    """Round to three digits, as in messages."""
     return float(f"{quantum:.3g}")
 
 
 def sampling_noise(grid: Grid, velocity: np.ndarray) -> float | None:
-    """How much circulations around blocks of two by two faces change where every other node is left out, as a share of
-    them: near 0 for vorticity that the grid resolves, 1 where velocities are noise, and 3 where there is no vorticity
-    and the trapezoidal rule makes what is found, as its error grows by four.
+    """The relative change of circulations around blocks of two by two faces if every other node is left out; (n, d)
+    velocities at the nodes. None for a grid that cannot be halved, or a flow without vorticity.
 
-    Parameters
-    ----------
-    grid : Grid
-    velocity : (n, d) at its nodes
-
-    Returns
-    -------
-    float, None for a grid that cannot be halved or a flow without any vorticity
+    Near 0 for vorticity that the grid resolves, 1 for noise, and 3 where there is no vorticity but the error of the
+    trapezoidal rule, which grows by four.
     """
     if not grid.can_halve:
         return None
@@ -120,7 +102,7 @@ def sampling_noise(grid: Grid, velocity: np.ndarray) -> float | None:
 
 
 def _levels(grid: Grid | Surface, integrals: np.ndarray) -> list[tuple[Grid | Surface, np.ndarray]]:
-    """The flow on grids that get coarser, as many as the search goes over."""
+    """The flow on the grids of the search, each coarser than the one before."""
     levels = [(grid, integrals)]
     with suppress(MeshError):  # obstacles leave no cell of a coarser grid open
         while isinstance(grid, Grid) and grid.node_count > COARSE_NODES and grid.can_halve:
@@ -130,10 +112,9 @@ def _levels(grid: Grid | Surface, integrals: np.ndarray) -> list[tuple[Grid | Su
 
 
 def halved(grid: Grid, integrals: np.ndarray) -> tuple[Grid, np.ndarray]:
-    """A :class:`Grid` of every other node, and the integrals along its edges, which are sums of two.
+    """The grid of every other node, and the integrals along its edges, which are sums of two.
 
-    Circulations around its faces are those of the four faces in each. The last nodes of an open axis with an even
-    number of them are left out.
+    Circulations around its faces are sums of four. The last nodes of an open axis with an even number are left out.
     """
     shape = [count // 2 if ring else (count + 1) // 2 for count, ring in zip(grid.shape, grid.periodic, strict=True)]
     solid = grid.solid[(slice(None, None, 2),) * grid.dimension][tuple(map(slice, shape))]

@@ -24,25 +24,20 @@ from .whole import write_whole
 SUFFIXES = (".rawfield", ".rosy")
 # Number and text of a line.
 _Line = tuple[int, str]
-# Memory that a line of a file takes beside its text while it is read, and rows whose words are read at once.
+# Bytes of a line of a file, besides its text, while it is read, and number of rows that are read at once.
 _LINE_BYTES, _ROWS_AT_ONCE = 200, 4096
-# Vectors of a set that miss equal turns by more than this (as a cosine) cannot be told by one of them.
+# Vectors that miss equal turns by more than this (as a cosine) cannot be written as one of them.
 UNEQUAL = 1e-3
 
 
 @dataclass(frozen=True)
 class FaceField:
-    """Directions on faces.
+    """Directions on faces; SettingError for vectors of another shape.
 
     Attributes
     ----------
-    symmetry : int, N: 1 vectors, 2 lines, 4 crosses
+    symmetry : N: 1 vectors, 2 lines, 4 crosses
     vectors : (m, N, 3), counterclockwise, not matched from face to face; or (m, 1, 3), one that stands for all N
-
-    Raises
-    ------
-    SettingError
-        for another shape
     """
 
     symmetry: int
@@ -58,13 +53,7 @@ class FaceField:
 
 
 def read_field(path: str | Path) -> FaceField:
-    """The field in a ``.rawfield`` or ``.rosy`` file, which the suffix tells apart.
-
-    Raises
-    ------
-    SettingError
-        naming the file, the line where there is one, and the remedy
-    """
+    """Read a ``.rawfield`` or ``.rosy`` file; SettingError names the file, the line, and the remedy."""
     path = Path(path)
     read_header = _raw_header if _known_suffix(path) == ".rawfield" else _rosy_header
     with border(path):
@@ -85,11 +74,8 @@ def read_field(path: str | Path) -> FaceField:
 def write_field(path: str | Path, face_field: FaceField) -> None:
     """Write a field as ``.rawfield`` or ``.rosy``, by the suffix; numbers keep all their digits.
 
-    Raises
-    ------
-    SettingError
-        for another suffix, a file that cannot be written, or a field that the format cannot hold: ``.rawfield``
-        needs all vectors of a face, ``.rosy`` equal turns between them
+    Raises SettingError for another suffix, a file that cannot be written, or a field that the format cannot hold:
+    ``.rawfield`` needs all vectors of a face, ``.rosy`` equal turns between them.
     """
     path = Path(path)
     count, given, _ = face_field.vectors.shape
@@ -108,25 +94,13 @@ def write_field(path: str | Path, face_field: FaceField) -> None:
 
 
 def to_vertices(mesh: TriangleMesh, face_field: FaceField) -> Guide:
-    """A guide from a field on faces.
+    """Make a guide from a field on the triangles of a mesh, in the same order.
 
-    The vectors of a face are replaced by the N equal turns that are nearest to their directions, and powers of
-    these are averaged by area; faces whose vectors miss such turns count for less. The angles are one
-    representative, up to turns by 2 pi / N. A face with a vector that is zero or normal to it asks for nothing.
+    The vectors of a face are replaced by the N equal turns nearest to their directions, whose powers are averaged by
+    area; faces whose vectors miss such turns count for less. The angles are one representative, up to turns by
+    2 pi / N. A face with a vector that is zero or normal to it does not count.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh whose triangles are the field's faces, in the same order
-    face_field : FaceField
-
-    Returns
-    -------
-    Guide
-
-    Raises
-    ------
-    SettingError
-        where faces and triangles are not as many, or no face has a direction
+    Raises SettingError where the numbers of faces and triangles differ, or no face has a direction.
     """
     vectors = face_field.vectors
     if len(vectors) != mesh.triangle_count:
@@ -146,18 +120,8 @@ def to_vertices(mesh: TriangleMesh, face_field: FaceField) -> Guide:
 
 
 def from_vertices(mesh: TriangleMesh, symmetry: int, angles: ArrayLike) -> FaceField:
-    """Unit vectors on faces from directions at vertices: the mean of the three corners' powers.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    symmetry : int, N
-    angles : (n,) radians in the vertices' tangent planes, one representative each
-
-    Returns
-    -------
-    FaceField with (m, N, 3) vectors, counterclockwise
-    """
+    """(m, N, 3) unit vectors on faces, counterclockwise, from (n,) angles at vertices, radians in their tangent planes,
+    by the mean of the three corners' powers."""
     powers = average_in_faces(mesh, np.exp(1j * symmetry * np.asarray(angles, float)), symmetry)
     turns = np.angle(powers)[:, None] / symmetry + 2 * np.pi / symmetry * np.arange(symmetry)
     x, y = face_frames(mesh)
@@ -165,10 +129,10 @@ def from_vertices(mesh: TriangleMesh, symmetry: int, angles: ArrayLike) -> FaceF
 
 
 def _nearest_star(tangent: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The first arm of the equal turns nearest to (m, k) complex vectors, and where all of them have a direction.
+    """The first of the N equal turns nearest to (m, N) complex vectors, and whether all of them have a direction.
 
-    Counterclockwise, the k-th vector turned back by k / N should be the first: the mean of these is the least-squares
-    arm, and its length says how well they agree.
+    Turned back by k / N turns, the k-th vector in counterclockwise order should be the first: the mean is the
+    least-squares solution, and its length says how well they agree.
     """
     sizes = np.abs(tangent)
     defined = (sizes > np.maximum(1e-6 * lengths, np.finfo(float).tiny)).all(axis=1)
@@ -208,7 +172,7 @@ def _whole_numbers(path: Path, lines: list[_Line], wanted: int, remedy: str) -> 
 
 
 def _numbers(path: Path, rows: list[_Line], width: int) -> np.ndarray:
-    """(rows, width) finite floats; the words of a part of the rows at once."""
+    """(rows, width) finite floats, read some rows at a time."""
     parts = []
     for first in range(0, len(rows), _ROWS_AT_ONCE):
         part = [(number, line.split()) for number, line in rows[first : first + _ROWS_AT_ONCE]]
@@ -238,7 +202,7 @@ def _number(word: str) -> float:
 
 
 def _refuse_unequal(path: Path, face_field: FaceField) -> None:
-    """One vector stands for all only if they are equal turns of each other."""
+    """Refuse vectors of a face that are not equal turns of each other: one could not stand for all."""
     vectors = face_field.vectors
     lengths = np.linalg.norm(vectors, axis=2)
     cosines = np.einsum("tkc,tc->tk", vectors, vectors[:, 0])

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vortex filaments and tubes as text for other programs: tables, VTK's polylines and polygons, PLY and OBJ.
 
-Filaments are in one piece each: closed ones come back to their first point, and those that go around a periodic box end
-a box further on. VTK's older form is an unstructured grid of segments, each with the values of its filament, and in PLY
-a segment is a face of two corners: so both pyvista and meshio read them (meshio has no .vtp, and of an .obj with lines
-it takes the points).
+Each filament is one piece: a closed one returns to its first point, and one that goes around a periodic box ends a box
+further. VTK's older form is an unstructured grid of segments, each with the values of its filament, and in PLY a
+segment is a face of two corners: so both pyvista and meshio read them (meshio has no .vtp, and reads only points of
+.obj lines).
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from ..extract.vortices.linking_numbers import Linked
 from ..extract.vortices.tubes import Tubes
 from .digits import DIGITS, number_format
 
-# Of each filament, in the order of the columns: what it is called, and its kind in VTK.
+# Columns of values of a filament: name, and kind in VTK.
 _VALUES = (
     ("circulation", "Float64"),
     ("length", "Float64"),
@@ -29,7 +29,6 @@ _VALUES = (
     ("winding_y", "Int32"),
     ("winding_z", "Int32"),
 )
-# Of what is not a place.
 _FORM = f"%.{DIGITS}g"
 # Kinds of cells of VTK.
 _SEGMENT, _TRIANGLE = 3, 5
@@ -37,15 +36,15 @@ _SEGMENT, _TRIANGLE = 3, 5
 
 @dataclass(frozen=True)
 class VortexShape:
-    """Filaments or tubes as they are written.
+    """Filaments or tubes to write.
 
     Attributes
     ----------
     points : (n, 3)
     cells : numbers of the points along each filament, or around each triangle
-    are_lines : which of the two these are
+    are_lines : whether the cells are filaments
     values : of each cell, by name and kind in VTK
-    colors : (n, 3) red, green and blue of the points from 0 to 1, None for none
+    colors : (n, 3) red, green and blue of the points from 0 to 1, or None
     """
 
     points: np.ndarray
@@ -56,7 +55,7 @@ class VortexShape:
 
     @property
     def segments(self) -> "VortexShape":
-        """The same with each segment of a filament as a cell of its own, with the number of the filament."""
+        """The shape with a cell for each segment of a filament, and the filaments' numbers."""
         if not self.are_lines:
             return self
         counts = [len(cell) - 1 for cell in self.cells]
@@ -67,13 +66,7 @@ class VortexShape:
 
 
 def filament_shape(lines: Sequence[Filament], winding: Linked | None) -> VortexShape:
-    """The :class:`VortexShape` of filaments.
-
-    Parameters
-    ----------
-    lines : list of Filament
-    winding : Linked of these, None where it is not known
-    """
+    """The shape of filaments, whose winding is None where it is not known."""
     ends = np.cumsum([0, *(len(line.whole) for line in lines)]).tolist()
     cells = [list(range(begin, end)) for begin, end in pairwise(ends)]
     columns = zip(*_values(lines, winding), strict=True) if lines else [()] * len(_VALUES)
@@ -82,12 +75,12 @@ def filament_shape(lines: Sequence[Filament], winding: Linked | None) -> VortexS
 
 
 def tube_shape(tubes: Tubes) -> VortexShape:
-    """The :class:`VortexShape` of :class:`Tubes`, in the colours of the sphere."""
+    """The shape of tubes, in the colours of the sphere."""
     return VortexShape(tubes.vertices, tubes.triangles.tolist(), False, {}, 0.5 + 0.5 * tubes.sphere)
 
 
 def table_of(lines: Sequence[Filament], winding: Linked | None) -> str:
-    """Text of a .csv file, a row for each point; parameters as :func:`filament_shape`."""
+    """Text of a .csv file, a row for each point."""
     rows = ["filament,x,y,z," + ",".join(name for name, _ in _VALUES)]
     form = ",".join(3 * [number_format(_points(lines))] + len(_VALUES) * [_FORM])
     for number, (line, values) in enumerate(zip(lines, _values(lines, winding), strict=True)):
@@ -96,7 +89,7 @@ def table_of(lines: Sequence[Filament], winding: Linked | None) -> str:
 
 
 def polydata_of(shape: VortexShape) -> str:
-    """Text of a .vtp file of a :class:`VortexShape`."""
+    """Text of a .vtp file."""
     name, count = ("Lines" if shape.are_lines else "Polys"), len(shape.cells)
     lines, polygons = (count, 0) if shape.are_lines else (0, count)
     ends = np.cumsum([len(cell) for cell in shape.cells], dtype=int).tolist()
@@ -123,7 +116,7 @@ def polydata_of(shape: VortexShape) -> str:
 
 
 def legacy_of(shape: VortexShape) -> str:
-    """Text of a .vtk file, the same in VTK's older form."""
+    """Text of a .vtk file, VTK's older form."""
     shape = shape.segments
     count, kind = len(shape.cells), _SEGMENT if shape.are_lines else _TRIANGLE
     parts = [
@@ -173,7 +166,7 @@ def obj_of(shape: VortexShape) -> str:
 
 
 def _values(lines: Sequence[Filament], winding: Linked | None) -> list[tuple[float, ...]]:
-    """List of the values of each filament; nan for a writhe that is not known."""
+    """The values of each filament; nan for a writhe that is not known."""
     writhes = np.full(len(lines), np.nan) if winding is None else winding.all_writhes
     return [
         (line.strength, line.length, twist, line.share, int(line.is_closed), *line.winding)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flows of other programs: VTK's images (.vti), NetCDF, HDF5, and what pyvista or meshio read where they are installed.
+"""Flows of other programs: VTK's images (.vti), NetCDF, HDF5, and files for pyvista or meshio where they are installed.
 
-.vti is read here, written as text, base64, or appended raw, compressed by zlib or not; NetCDF of version 3 by SciPy,
-version 4 and HDF5 by h5py. Their arrays count z, y, x, as usual in these formats, unless coordinates of their own
-lengths tell otherwise. Flows on other meshes of VTK are sampled on a grid, where what is outside counts as solid.
+.vti is read here, as text, base64, or appended raw, compressed by zlib or not; NetCDF of version 3 by SciPy, version 4
+and HDF5 by h5py. Axes of their arrays are z, y, x, as usual in these formats, unless the lengths of coordinates say
+otherwise. Flows on other meshes of VTK are sampled on a grid, whose nodes outside the mesh count as solid.
 """
 
 import importlib
@@ -32,9 +32,9 @@ from .tets import vtu_array, vtu_arrays, vtu_root
 from .volumes import SOUND_BYTES, SOUND_RATIO, choose_flow
 
 IMAGE, ARRAYS, MESHES = (".vti",), (".nc", ".h5", ".hdf5"), (".vts", ".vtr", ".vtk", ".vtu")
-# Arrays that are not 0 at nodes in obstacles, and those that are 0 outside the flow.
+# Names of arrays that are not 0 in obstacles, and of arrays that are 0 outside the flow.
 _SOLIDS, _MASKS = ("solid", "obstacle", "obstacles"), ("mask", "vtkvalidpointmask")
-# Names of coordinates along each axis, and how far spacings may differ from one another, as a share.
+# Names of coordinates along each axis, and by what share their spacings may differ.
 _COORDINATES = (("x", "xcoor", "lon", "longitude"), ("y", "ycoor", "lat", "latitude"), ("z", "zcoor", "lev", "depth"))
 _EVEN = 1e-3
 _PIP = "install it for Python (pip install synch-fields[flows]), or save the flow as .vti or .npz"
@@ -42,11 +42,11 @@ _PIP = "install it for Python (pip install synch-fields[flows]), or save the flo
 
 @dataclass(frozen=True)
 class GridFlow:
-    """A flow at the nodes of a grid of its own.
+    """A flow at the nodes of a grid.
 
     Attributes
     ----------
-    own : Grid
+    own : the grid
     velocity : (n, 3) or (n, 2) at its nodes
     is_vorticity : whether these vectors are the vorticity of the flow
     warnings : lines that the user should read
@@ -59,7 +59,7 @@ class GridFlow:
 
     @property
     def noise(self) -> float | None:
-        """As :func:`sampling_noise` has it."""
+        """The :func:`sampling_noise`; None where it cannot be measured."""
         return None if self.is_vorticity else sampling_noise(self.own, self.velocity)
 
     def grid(self, _resolution: int) -> Grid:
@@ -73,14 +73,8 @@ class GridFlow:
 
 @dataclass(frozen=True)
 class SampledFlow:
-    """A flow on a mesh, sampled where it is asked for.
-
-    Attributes
-    ----------
-    low, high : corners of the mesh's box
-    sample : callable((n, 3) places) -> (n, 3) vectors, nan outside the mesh
-    is_vorticity, warnings : as :class:`GridFlow`
-    """
+    """A flow on a mesh in a box, by a function that gives (n, 3) vectors at (n, 3) places, nan outside the mesh; the
+    rest as in :class:`GridFlow`."""
 
     low: np.ndarray
     high: np.ndarray
@@ -90,7 +84,7 @@ class SampledFlow:
     noise = None
 
     def grid(self, resolution: int) -> Grid:
-        """A grid with so many nodes along its longest side, solid outside the mesh."""
+        """A grid with ``resolution`` nodes along its longest side, solid outside the mesh."""
         grid = box_grid(self.low, self.high, resolution)
         outside = np.isnan(self.sample(grid.places)).any(axis=1).reshape(grid.shape)
         return Grid(grid.shape, grid.spacing, grid.origin, solid=outside)
@@ -103,30 +97,18 @@ class SampledFlow:
 
 @dataclass(frozen=True)
 class OtherFile:
-    """A flow in a file of another program.
-
-    Attributes
-    ----------
-    path : of the file
-    attribute : name of its vectors, as :func:`choose_flow` has it
-    """
+    """A flow in a file of another program; the attribute is the name of its vectors, as in :func:`choose_flow`."""
 
     path: Path
     attribute: str
 
     @property
     def name(self) -> str:
-        """Of the file."""
+        """The file's name."""
         return self.path.name
 
     def read(self) -> GridFlow | SampledFlow:
-        """The :class:`GridFlow` or :class:`SampledFlow`.
-
-        Raises
-        ------
-        SettingError
-            in one line, for a file that is not such a flow
-        """
+        """Read the flow; SettingError for a file of another kind."""
         suffix = self.path.suffix.lower()
         with border(self.path, "export it again"):
             if suffix in IMAGE:
@@ -176,7 +158,7 @@ def _read_image(path: Path, attribute: str) -> GridFlow:
 
 
 def _numbers(element: Element, name: str, count: int, default: Sequence[float] | None = None) -> np.ndarray:
-    """So many finite numbers of an attribute of XML."""
+    """The finite numbers of an attribute of XML, ``count`` of them."""
     text = element.get(name)
     words = default if text is None and default is not None else (text or "").split()
     numbers = np.array([float(word) for word in words])
@@ -193,8 +175,7 @@ def _grid_flow(
     is_curl: bool,
     warnings: tuple[str, ...],
 ) -> GridFlow:
-    """The :class:`GridFlow` of (nx, ny, nz, 3) vectors; nodes in obstacles, outside masks and without numbers are
-    solid."""
+    """A flow of (nx, ny, nz, 3) vectors; nodes in obstacles, outside masks and with nan are solid."""
     solid = ~np.isfinite(vectors).all(axis=3)
     for name, values in extra.items():
         solid |= (values != 0) if name.lower() in _SOLIDS else (values == 0)
@@ -226,7 +207,7 @@ def _read_arrays(path: Path, attribute: str) -> GridFlow:
 
 
 def _bare(name: str) -> str:
-    """The name of an array without its groups and the number of a frame."""
+    """The name of an array without its groups and a frame's number at its end."""
     return re.sub(r"[_-]?\d+$", "", name.rsplit("/", 1)[-1]) or name
 
 
@@ -281,7 +262,7 @@ def _axis(arrays: dict[str, Any], names: Sequence[str]) -> np.ndarray | None:
 def _evened(
     field: np.ndarray, places: list[np.ndarray], extra: dict[str, np.ndarray], is_curl: bool, warnings: tuple[str, ...]
 ) -> GridFlow:
-    """The :class:`GridFlow` of values at coordinates along each axis, which get even where they are not."""
+    """A flow of values at coordinates along each axis, resampled where these are uneven."""
     for axis, along in enumerate(places):
         steps = np.diff(along)
         if len(steps) and (steps < 0).all():

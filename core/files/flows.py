@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flows in files: arrays of NumPy here, OpenVDB and those of other programs beside it.
+"""Flows in files: arrays of NumPy here, OpenVDB and other programs' files in the modules beside it.
 
-A source says what is to be read and can be pickled; its ``read()`` gives the flow, which has ``grid(resolution)``,
+A source says what to read and can be pickled; its ``read()`` returns the flow, which has ``grid(resolution)``,
 ``integrals(grid)`` and ``warnings``, lines that the user should read.
 """
 
@@ -21,26 +21,20 @@ from .flow_grids import ARRAYS, IMAGE, MESHES, GridFlow, OtherFile
 from .volumes import VolumeFile
 
 SUFFIXES = (".vdb", ".npz", *IMAGE, *ARRAYS, *MESHES)
-# Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
+# Names of arrays that place a file's nodes, their kinds of values, and what errors ask for.
 _PLACES = {
     "spacing": ("fiu", "one positive number"),
     "origin": ("fiu", "one number"),
     "periodic": ("biu", "one true or false"),
 }
-# Arrays that say which nodes lie in obstacles, and what the vorticity is in place of the velocity.
+# Names of arrays of nodes in obstacles, and of the vorticity that may replace the velocity.
 SOLID, VORTICITY = "solid", "vorticity"
 
 
 def flow_file(
     path: str | Path, attribute: str = VELOCITY, module: str | None = None
 ) -> "ArrayFile | VolumeFile | OtherFile":
-    """The :class:`ArrayFile`, :class:`VolumeFile` or :class:`OtherFile` of a path; see those for the rest.
-
-    Raises
-    ------
-    SettingError
-        for a file of another kind, or none
-    """
+    """The source of a path; SettingError for a file that is missing or of another kind."""
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise SettingError(f"{path}: flows are read from {', '.join(SUFFIXES)} files")
@@ -57,24 +51,20 @@ def flow_file(
 class ArrayFile:
     """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin, periodic and solid.
 
-    Vorticity (nx, ny, nz, 3) may take the place of the velocity. Solid, (nx, ny, nz) or (nx, ny), is true at nodes in
-    obstacles, whose velocity does not count.
-
-    Attributes
-    ----------
-    path : of the file
+    Vorticity (nx, ny, nz, 3) may replace the velocity. Solid, (nx, ny, nz) or (nx, ny), is true at nodes in obstacles,
+    whose velocity does not count.
     """
 
     path: Path
 
     @property
     def name(self) -> str:
-        """Of the file."""
+        """The file's name."""
         return self.path.name
 
     @property
     def is_plane(self) -> bool:
-        """Whether the velocity has the shape of one in a plane, as its header says; False where that cannot be read."""
+        """Whether the velocity is one in a plane, by its header; False where that cannot be read."""
         try:
             with border(self.path), ZipFile(self.path) as archive:
                 return len(_headers(archive)["velocity"].shape) == 3
@@ -82,13 +72,7 @@ class ArrayFile:
             return False
 
     def read(self) -> GridFlow:
-        """The :class:`GridFlow`.
-
-        Raises
-        ------
-        SettingError
-            in one line, for a file that is not such a flow
-        """
+        """Read the flow; SettingError for a file of another kind."""
         with border(self.path, "write it with numpy.savez"):
             arrays = self._arrays()
         is_curl = "velocity" not in arrays
@@ -97,7 +81,7 @@ class ArrayFile:
         return GridFlow(grid, np.where(grid.solid[..., None], 0, velocity).reshape(-1, velocity.shape[-1]), is_curl)
 
     def _arrays(self) -> dict[str, np.ndarray]:
-        """The arrays of a flow by their names; nothing is read before the headers of all of them are sound."""
+        """The arrays of a flow by their names; all headers are checked before an array is read."""
         with self.path.open("rb") as file:
             if file.read(len(np.lib.format.MAGIC_PREFIX)) == np.lib.format.MAGIC_PREFIX:
                 raise SettingError("a single array without a name: write it with numpy.savez")
@@ -120,14 +104,14 @@ class ArrayFile:
 
 
 class _Header(NamedTuple):
-    """Shape and type of an array that a file promises."""
+    """Shape and type of an array, as a file promises them."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
 
 
 def _headers(archive: ZipFile) -> dict[str, _Header]:
-    """The :class:`_Header` of each array of an archive that a flow has, by its name."""
+    """The headers of an archive's arrays that belong to a flow, by their names."""
     members, found = archive.namelist(), {}
     vectors = VELOCITY if f"{VELOCITY}.npy" in members else VORTICITY
     for name in (vectors, *_PLACES, SOLID):
@@ -150,7 +134,7 @@ def _headers(archive: ZipFile) -> dict[str, _Header]:
 
 
 def _check_headers(headers: dict[str, _Header]) -> None:
-    """Refuse arrays of shapes and types that no flow has."""
+    """Refuse arrays of other shapes and types than those of a flow."""
     vectors = VELOCITY if VELOCITY in headers else VORTICITY
     shape, dtype = headers[vectors]
     if len(shape) not in (3, 4) or shape[-1] != len(shape) - 1:

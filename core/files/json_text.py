@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON that every reader takes: reports as they are written, and what an object has kept of them as it is read."""
+"""JSON that every reader accepts: reports are written, and what objects keep of them is read and checked."""
 
 import json
 import math
@@ -23,7 +23,7 @@ def json_text(value: object, indent: int | None = None) -> str:
 
 
 def plain(value: Any) -> Any:
-    """The same of what JSON has: numbers and arrays of NumPy become Python's, and numbers that are not finite None."""
+    """The value with JSON's types: NumPy's numbers and arrays become Python's, numbers that are not finite None."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -34,15 +34,14 @@ def plain(value: Any) -> Any:
 
 
 def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any, Any]]) -> dict[str, Any]:
-    """A dict that a property of an object or a file has kept as JSON, checked, since others can write there.
+    """Read a dict that a property of an object or a file keeps as JSON, and check it, since others can write there.
 
     Parameters
     ----------
-    text : str, "" for an empty dict
-    source : what has kept it, for the error
-    kinds : dict of the values that are known, by their names, each a default and its kind: a type or several, a dict of
-        kinds by name, or a list of as many kinds; other names stay as they are, and None may take the place of a value
-        whose default it is
+    text : "" for an empty dict
+    source : where it was kept, for errors
+    kinds : default and kind of each known value by its name: a kind is a type or several, a dict of kinds by name, or a
+        list of kinds; other names stay as they are, and None is allowed where it is the default
 
     Returns
     -------
@@ -51,7 +50,7 @@ def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any,
     Raises
     ------
     SettingError
-        naming the source and the first value that is of another kind
+        naming the source and the first value of another kind
     """
     if not text:
         return {}
@@ -67,7 +66,7 @@ def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any,
 
 
 def read_kept_names(text: str, source: str | Path) -> list[str]:
-    """A list of names that a property has kept as JSON; [] for ""; errors as :func:`read_kept_dict`."""
+    """Read a list of names that a property keeps as JSON; [] for ""; errors as :func:`read_kept_dict`."""
     if not text:
         return []
     with border(source, "solve it again"):
@@ -77,7 +76,7 @@ def read_kept_names(text: str, source: str | Path) -> list[str]:
 
 
 def _check(value: Any, kind: Any, name: str) -> None:
-    """Refuse a value of another kind."""
+    """Raise ValueError for a value of another kind."""
     if isinstance(kind, dict):
         right = isinstance(value, dict)
         parts = [(value.get(key, None), own, key) for key, own in kind.items()] if right else []

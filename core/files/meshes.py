@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mesh files, looked at without a mesh: whether an .obj, .ply or .stl holds all that it should, and whether a .ply or
-.glb has a header that its reader survives."""
+"""Checks of mesh files: whether an .obj, .ply or .stl is complete, and whether a reader survives a .ply or .glb."""
 
 import json
 import re
@@ -17,16 +16,15 @@ _SIZES = {"char": 1, "short": 2, "int": 4, "float": 4, "double": 8} | {"uchar": 
 _SIZES |= {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "float32": 4, "float64": 8}
 _COUNTS = {"char": "i1", "uchar": "u1", "int8": "i1", "uint8": "u1", "short": "i2", "ushort": "u2"}
 _COUNTS |= {"int16": "i2", "uint16": "u2", "int": "i4", "uint": "u4", "int32": "i4", "uint32": "u4"}
-# Bytes before the triangles of an .stl file, the last four of which count them, and of a triangle.
+# Bytes of an .stl file before its triangles, the last four of which are their number, and of a triangle.
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-# Bytes before the JSON of a .glb file, the numbers of each element of its arrays by their types, and the memory that
-# Blender's importer takes for each of them.
+# Bytes of a .glb file before its JSON, and bytes that Blender's importer takes for each number of an array.
 _GLB_HEADER, _GLB_BYTES = 20, 16
 _GLB_TYPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
 def is_whole(path: Path, vertices: int, faces: int) -> bool:
-    """Whether a mesh file of so many vertices and faces is complete; an .stl has triangles, their number in itself."""
+    """Whether a mesh file has these numbers of vertices and faces; an .stl has as many triangles as it says."""
     content = Path(path).read_bytes()
     if path.suffix.lower() == ".stl":
         count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
@@ -38,7 +36,7 @@ def is_whole(path: Path, vertices: int, faces: int) -> bool:
 
 
 def _is_whole_ply(content: bytes) -> bool:
-    """Whether a binary file, little end first, is as long as its header says."""
+    """Whether a little-endian binary file is as long as its header says."""
     try:
         kind, elements, body = _ply_header(content)
     except ValueError:
@@ -52,17 +50,11 @@ def _is_whole_ply(content: bytes) -> bool:
 
 
 def check_ply(path: str | Path) -> None:
-    """Refuse a .ply file whose header no reader survives, Blender's importer among them.
-
-    Raises
-    ------
-    SettingError
-        in one line
-    """
+    """Raise SettingError for a .ply file whose header Blender's importer does not survive."""
     with border(path):
         content = read_bytes(path)
         kind, elements, body = _ply_header(content)
-    # The least that an element takes: of text a character and a space for each number, which a list may have none of.
+    # The least size of an element: in text a character and a space for each number; lists may be empty.
     least = 0
     for count, properties in elements:
         sizes = [2 if kind == "ascii" else _SIZES[words[0] if len(words) == 1 else words[1]] for words in properties]
@@ -72,7 +64,7 @@ def check_ply(path: str | Path) -> None:
 
 
 def check_glb(path: str | Path) -> None:
-    """Refuse a .glb file whose accessors promise more than memory holds; errors as :func:`check_ply`."""
+    """Raise SettingError for a .glb file whose accessors promise more than memory holds."""
     with border(path):
         content = read_bytes(path)
         magic, _, _, length, kind = struct.unpack_from("<4sIII4s", content)
@@ -86,13 +78,8 @@ def check_glb(path: str | Path) -> None:
 
 
 def _ply_header(content: bytes) -> tuple[str, list[tuple[int, list[list[str]]]], bytes]:
-    """The format, the elements, each a count and the words of its properties' types, and the bytes after the header.
-
-    Raises
-    ------
-    ValueError
-        where this is no header
-    """
+    """The format, the elements, each a count and the types of its properties, and the bytes after the header;
+    ValueError for a bad header."""
     header, end, body = content.partition(b"end_header")
     if not content.startswith(b"ply") or not end:
         raise ValueError("it does not begin with ply, or end with end_header")
@@ -119,7 +106,7 @@ def _ply_header(content: bytes) -> tuple[str, list[tuple[int, list[list[str]]]],
 
 
 def _after(body: bytes, place: int, count: int, kinds: list[list[str]]) -> int:
-    """Where so many elements end that begin at a place; beyond the end where they do not fit."""
+    """The end of ``count`` elements that begin at a place; beyond the body's end if they do not fit."""
     if all(len(kind) == 1 for kind in kinds):
         return place + count * sum(_SIZES[kind] for (kind,) in kinds)
     for _ in range(count):

@@ -6,7 +6,6 @@ The layout is that of files since version 222 (OpenVDB 3): a header, metadata, a
 a transform, and the tree with the counts of its root.
 """
 
-import builtins
 import importlib
 import importlib.util
 import re
@@ -21,25 +20,15 @@ from ..errors import SettingError
 _MAGIC, _OLDEST = b" BDV\0\0\0\0", 222
 # Bytes of the header behind the version, of a descriptor behind its names, of transforms by their names, and of values.
 _HEADER, _DESCRIPTOR = 4 + 4 + 1 + 36, 24
-_MAPS = dict.fromkeys(("UniformScaleMap", "ScaleMap"), 120) | {
-    "TranslationMap": 24,
-    "AffineMap": 128,
-    "UnitaryMap": 128,
-}
-_MAPS |= dict.fromkeys(("UniformScaleTranslateMap", "ScaleTranslateMap"), 144)
+_MAPS = {"UniformScaleMap": 120, "ScaleMap": 120, "TranslationMap": 24, "AffineMap": 128, "UnitaryMap": 128}
+_MAPS |= {"UniformScaleTranslateMap": 144, "ScaleTranslateMap": 144}
 _VALUES = {"bool": 1, "float": 4, "int32": 4, "double": 8, "int64": 8, "vec3s": 12, "vec3i": 12, "vec3d": 24}
 # Bytes of an origin, and of whether a tile is active.
 _ORIGIN, _ACTIVE = 12, 1
 
 
 def check_vdb_sizes(path: Path) -> None:
-    """Refuse a file whose counts promise more than its bytes hold; other kinds and older ones pass.
-
-    Raises
-    ------
-    ValueError
-        in one line
-    """
+    """Raise ValueError for a file whose counts promise more than its bytes hold; other kinds and older ones pass."""
     size = path.stat().st_size
     with path.open("rb") as file:
         if file.read(len(_MAGIC)) != _MAGIC or _Reader(file, size).number() < _OLDEST:
@@ -49,7 +38,7 @@ def check_vdb_sizes(path: Path) -> None:
         reader.metadata()
         for _ in range(reader.count(3 * 4 + _DESCRIPTOR)):
             _, kind, parent = (reader.text() for _ in range(3))
-            begin, _, end = struct.unpack("<3q", reader.bytes(_DESCRIPTOR))
+            begin, _, end = struct.unpack("<3q", reader.take(_DESCRIPTOR))
             if not parent:
                 _check_grid(reader, begin, kind)
             reader.seek(end)
@@ -80,7 +69,7 @@ class _Reader:
         if length > self._size - self._file.tell():
             raise ValueError(f"it promises {length} bytes and has {self._size - self._file.tell()}")
 
-    def bytes(self, length: int) -> builtins.bytes:
+    def take(self, length: int) -> bytes:
         self.check(length)
         return self._file.read(length)
 
@@ -94,7 +83,7 @@ class _Reader:
         self._file.seek(place)
 
     def number(self) -> int:
-        return struct.unpack("<I", self.bytes(4))[0]
+        return struct.unpack("<I", self.take(4))[0]
 
     def count(self, least: int) -> int:
         """A number of parts that have at least so many bytes each."""
@@ -103,7 +92,7 @@ class _Reader:
         return number
 
     def text(self) -> str:
-        return self.bytes(self.number()).decode("utf-8", "replace")
+        return self.take(self.number()).decode("utf-8", "replace")
 
     def metadata(self) -> None:
         for _ in range(self.count(3 * 4)):
@@ -114,17 +103,7 @@ class _Reader:
 
 @cache
 def openvdb_module(file: str | None = None) -> ModuleType:
-    """The module, loaded once.
-
-    Parameters
-    ----------
-    file : path of the compiled module; None where it is found by its name
-
-    Raises
-    ------
-    SettingError
-        where there is none
-    """
+    """The module, loaded once from a compiled file, or found by its name; SettingError if it does not exist."""
     try:
         if file is None:
             return importlib.import_module("openvdb")

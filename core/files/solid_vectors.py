@@ -23,14 +23,7 @@ _WIDTHS = {1: 1, 2: 3, 3: 6}
 
 @dataclass(frozen=True)
 class SolidVectors:
-    """Vectors in a solid, at its vertices or in its tetrahedra.
-
-    Attributes
-    ----------
-    mesh : TetMesh
-    values : (n, 3) or (m, 3)
-    at_vertices : whether they are at the vertices
-    """
+    """Vectors in a solid: (n, 3) at its vertices, or (m, 3) in its tetrahedra."""
 
     mesh: TetMesh
     values: np.ndarray
@@ -38,17 +31,9 @@ class SolidVectors:
 
 
 def read_vectors(path: str | Path, name: str = "") -> SolidVectors:
-    """The :class:`SolidVectors` of a file.
+    """Read the vectors of a .vtu, or of a .sol beside its .mesh; SettingError names the file and the remedy.
 
-    Parameters
-    ----------
-    path : of a .vtu, or of a .sol beside its .mesh
-    name : of an array of a .vtu; "" for the only one
-
-    Raises
-    ------
-    SettingError
-        naming the file, what is wrong in it, and the remedy
+    The name is that of an array of a .vtu, "" for the only one.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
@@ -79,7 +64,7 @@ def _read(path: Path, name: str) -> SolidVectors:
 
 
 def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
-    """Vectors by the name of their array, and whether it is on points."""
+    """Vectors by the name of their array, and whether they are on points."""
     root, appended = vtu_root(path, content)
     found: dict[tuple[str, bool], list[np.ndarray]] = {}
     pieces = list(root.iter("Piece"))
@@ -98,7 +83,7 @@ def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
 
 
 def _of_sol(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
-    """The same for the fields of a .sol file, which have numbers for names."""
+    """The same for the fields of a .sol file, whose names are numbers."""
     sections = medit_sections(path, content)
     found = {}
     for keyword, at_vertices in (("SolAtVertices", True), ("SolAtTetrahedra", False)):

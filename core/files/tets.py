@@ -23,10 +23,10 @@ from ..graphs import components
 from .border import TEXT_BYTES, UNREADABLE, border, check_promise, read_bytes, text_numbers, whole_numbers
 
 SUFFIXES = (".mesh", ".vtu")
-# Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
+# Cells of VTK: a triangle, a tetrahedron, and other cells with a volume.
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
-# Memory of the arrays of a point and of a cell of a .vtu file while they are read: each twice for a moment.
+# Bytes of the arrays of a point and of a cell of a .vtu file while they are read, when they exist twice.
 _POINT_BYTES, _CELL_BYTES = 48, 128
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
 # Vertices, tetrahedra and triangles of a file, and numbers of the triangles by name.
@@ -34,35 +34,24 @@ _Read = tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndarray]]
 
 
 def read_tets(path: str | Path) -> TetMesh:
-    """The solid in a ``.mesh`` or ``.vtu`` file, which the suffix tells apart.
+    """Read the solid in a ``.mesh`` or ``.vtu`` file.
 
-    Inverted tetrahedra are turned the right way. Where triangles of the file enclose some of its tetrahedra and others
-    fill the space around, up to a hull without triangles, only the enclosed ones are the solid. Vertices keep their
-    numbers.
-
-    Returns
-    -------
-    TetMesh
+    Inverted tetrahedra are reordered. Where triangles of the file enclose some of its tetrahedra and others fill the
+    space around, up to a hull without triangles, only the enclosed ones are the solid. Vertices keep their numbers.
 
     Raises
     ------
     SettingError
         naming the file, what is wrong in it, and the remedy
     MeshError
-        likewise, where the file is sound and its tetrahedra are not
+        likewise, for a sound file with bad tetrahedra
     """
     return read_marked_tets(path)[0]
 
 
 def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
-    """The solid as :func:`read_tets` reads it, and what its triangles are marked with.
-
-    Returns
-    -------
-    solid : TetMesh
-    marks : dict of (k, 3) vertices of triangles, by ``ref_NUMBER`` of the references of a ``.mesh``, or by
-        ``NAME_NUMBER`` of whole numbers on the cells of a ``.vtu``
-    """
+    """Read a solid as :func:`read_tets`, and (k, 3) vertices of its marked triangles: by ``ref_NUMBER`` for the
+    references of a ``.mesh``, by ``NAME_NUMBER`` for whole numbers on the cells of a ``.vtu``."""
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -82,7 +71,7 @@ def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
 
 
 def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
-    """Triangles of known vertices by name and number."""
+    """Triangles of existing vertices by name and number."""
     known = ((triangles >= 0) & (triangles < count)).all(axis=1)
     return {
         f"{name}_{number}": triangles[known & (values == number)]
@@ -92,7 +81,7 @@ def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count:
 
 
 def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
-    """The parts of a solid whose boundary, where triangles cut it into parts, is made of triangles only."""
+    """The parts of a solid, cut by triangles, whose boundaries consist of triangles only."""
     if not len(triangles):
         return mesh
     _, names = np.unique(np.concatenate([mesh.faces, np.sort(triangles, axis=1)]), axis=0, return_inverse=True)
@@ -139,7 +128,7 @@ def _read_medit(path: Path, content: bytes) -> _Read:
 
 
 def medit_rows(name: str, text: str, width: int) -> np.ndarray:
-    """(count, width + 1) numbers of a section, the last ones the references that end its rows."""
+    """(count, width + 1) numbers of a section, the last of each row its reference."""
     try:
         head, *rest = text.split(None, 1)
         count, numbers = int(head), text_numbers(*rest or [""])
@@ -184,7 +173,6 @@ def _read_vtu(path: Path, content: bytes) -> _Read:
         triangles.append(corners[ends[types == VTK_TRIANGLE][:, None] + np.arange(-3, 0)] + count)
         marks.append({name: found[types == VTK_TRIANGLE] for name, found in values.items()})
         count += len(here)
-    # What all pieces have.
     shared = set.intersection(*map(set, marks)) if marks else set()
     numbers = {name: np.concatenate([mark[name] for mark in marks]) for name in sorted(shared)}
     return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
@@ -192,7 +180,7 @@ def _read_vtu(path: Path, content: bytes) -> _Read:
 
 @contextmanager
 def vtu_arrays() -> Iterator[None]:
-    """Say of what damaged arrays of a .vtu file raise inside that it is an array that cannot be read."""
+    """Turn errors of damaged arrays of a .vtu file into one line."""
     try:
         yield
     except (*UNREADABLE, MemoryError) as error:
@@ -200,7 +188,7 @@ def vtu_arrays() -> Iterator[None]:
 
 
 def vtu_sizes(piece: ElementTree.Element) -> tuple[int, int]:
-    """The numbers of points and of cells that a piece of a .vtu file promises."""
+    """The numbers of points and cells that a piece of a .vtu file promises."""
     with vtu_arrays():
         points, cells = (int(_get(piece, f"NumberOf{name}")) for name in ("Points", "Cells"))
         if min(points, cells) < 0:
@@ -222,7 +210,7 @@ def check_vtu_sizes(path: Path, root: ElementTree.Element) -> None:
 
 
 def vtu_root(path: Path, content: bytes, kind: str = "UnstructuredGrid") -> tuple[ElementTree.Element, bytes]:
-    """The XML of a .vtu file, or of another kind of VTK's, and its appended bytes."""
+    """The XML of a .vtu file, or of VTK's file of another kind, and its appended bytes."""
     head, appended, tail = _without_raw_data(content)
     try:
         root = ElementTree.fromstring(head + tail)
@@ -235,7 +223,7 @@ def vtu_root(path: Path, content: bytes, kind: str = "UnstructuredGrid") -> tupl
 
 
 def _without_raw_data(content: bytes) -> tuple[bytes, bytes, bytes]:
-    """The XML before and after appended data, and these from their first byte on; raw bytes are no XML."""
+    """The XML before appended data, these data, and the XML after them: raw bytes are not XML."""
     tag = content.find(b"<AppendedData")
     first = content.find(b"_", content.find(b">", tag))
     last = content.rfind(b"</AppendedData>")
@@ -245,8 +233,8 @@ def _without_raw_data(content: bytes) -> tuple[bytes, bytes, bytes]:
 
 
 def vtu_array(root: ElementTree.Element, appended: bytes, array: ElementTree.Element | None, count: int) -> np.ndarray:
-    """The numbers of an array of a .vtu file, in a row; one of ``UNREADABLE`` is raised for a damaged one, and for one
-    that holds another count of numbers than there should be, before it is unpacked."""
+    """(count,) numbers of an array of a .vtu file; raises one of ``UNREADABLE`` for a damaged array or another count,
+    before anything is unpacked."""
     if array is None:
         raise ValueError("it is missing")
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
@@ -274,7 +262,7 @@ def _count_text(numbers: np.ndarray, count: int) -> np.ndarray:
 
 
 def _plain(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
-    """Bytes after a header that says how many; in base64 the two make one stream, or one each."""
+    """Bytes after a header with their number; in base64 both are one stream, or one each."""
     width = header.itemsize
     size = int(np.frombuffer(_bytes(stored, 0, width, raw), header)[0])
     if size != wanted:
@@ -306,7 +294,7 @@ def _decompress_blocks(stored: bytes, header: np.dtype, raw: bool, wanted: int) 
 
 
 def _bytes(stored: bytes, first: int, count: int, raw: bool) -> bytes:
-    """So many bytes from a place in raw bytes or in base64."""
+    """``count`` bytes from a place in raw bytes or in base64."""
     found = stored[first : first + count] if raw else b64decode(stored[first : first + _characters(count)])[:count]
     if len(found) < count:
         raise ValueError(f"{len(found)} bytes where {count} are promised")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are written whole or not at all: what was there before stays until its successor is complete."""
+"""Files that are written whole or not at all: an older file stays until the new one is complete."""
 
 import os
 import shutil
@@ -20,21 +20,20 @@ _IMAGE_ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\x
 
 @contextmanager
 def write_whole(path: str | Path, is_whole: _Check | None = None) -> Iterator[Path]:
-    """Write a file beside its place, under a name of its own with the same suffix, and put it there at the end.
+    """Write a file under a temporary name with the same suffix, and move it to its place at the end.
 
-    Yields the path to write to. Two processes that write the same file leave one of the two, whole; a device is
-    written to as it is, unless what arrives has to be looked at.
+    Yields the path to write to. Two processes that write the same file leave one of the two, whole. A device is written
+    to directly.
 
     Parameters
     ----------
-    path : where the file goes; a link leads to what it names
-    is_whole : callable(path) -> bool, optional; looks at what was written, since exporters report success where the
-        disk was full
+    path : where the file goes; links are followed
+    is_whole : checks what was written, since exporters report success on a full disk; not for devices
 
     Raises
     ------
     WriteError
-        where the file cannot be written, or nothing or only a part of it arrived; nothing has changed then
+        where the file cannot be written, or only a part of it arrived; the older file stays
     """
     with write_together() as written, written(path, is_whole) as made:
         yield made
@@ -42,9 +41,9 @@ def write_whole(path: str | Path, is_whole: _Check | None = None) -> Iterator[Pa
 
 @contextmanager
 def write_together() -> Iterator[Callable[..., AbstractContextManager[Path]]]:
-    """Write several files, which take their places together once all are complete, or none of them does.
+    """Write several files, which move to their places once all are complete, or none does.
 
-    Yields a function that writes one of them as :func:`write_whole` does, with the same arguments and errors.
+    Yields a function that writes one of them, with the arguments and errors of :func:`write_whole`.
     """
     waiting: list[_Waiting] = []
     try:
@@ -57,7 +56,7 @@ def write_together() -> Iterator[Callable[..., AbstractContextManager[Path]]]:
 
 @contextmanager
 def _write_beside(waiting: list[_Waiting], path: str | Path, is_whole: _Check | None = None) -> Iterator[Path]:
-    """Write a file beside its place, and add it to those that wait for their places."""
+    """Write a file beside its place, and add it to those that wait."""
     target = Path(path).resolve()
     if target.is_dir():
         raise unwritten(path, "this is a folder")
@@ -89,8 +88,8 @@ def _write_beside(waiting: list[_Waiting], path: str | Path, is_whole: _Check | 
 
 @contextmanager
 def _opened_pipe(path: Path) -> Iterator[None]:
-    """Keep a named pipe open inside, as its reader sees its end else; OSError where nobody reads, for whom opening
-    would wait. Nothing is done with other devices."""
+    """Keep a named pipe open, so that its reader does not see its end; OSError if it has no reader, instead of waiting
+    for one. Other devices are left alone."""
     if not stat.S_ISFIFO(path.stat().st_mode):
         yield
         return
@@ -102,13 +101,13 @@ def _opened_pipe(path: Path) -> Iterator[None]:
 
 
 def _take_places(waiting: list[_Waiting]) -> None:
-    """Put complete files in their places, or give back what was there before where that fails."""
+    """Move complete files to their places, or restore the older ones if that fails."""
     with ExitStack() as undo:
         for number, (path, target, made) in enumerate(waiting, 1):
             try:
                 if target.exists():
                     shutil.copymode(target, made)
-                if number < len(waiting):  # what is replaced last is replaced or not
+                if number < len(waiting):  # the last one is replaced or not
                     undo.enter_context(_restore_on_failure(target))
                 os.replace(made, target)
             except OSError as error:
@@ -117,7 +116,7 @@ def _take_places(waiting: list[_Waiting]) -> None:
 
 @contextmanager
 def _restore_on_failure(target: Path) -> Iterator[None]:
-    """Give a file back as it was, should work inside fail."""
+    """Restore a file if the work inside fails."""
     kept, was_there = place_beside(target), True
     try:
         os.link(target, kept)
@@ -160,7 +159,7 @@ def check_writable(path: str | Path) -> None:
 
 
 def place_beside(target: Path) -> Path:
-    """A place that nobody else takes, in the same folder and with the same suffix; what was left there is swept."""
+    """A path of this process alone, in the same folder and with the same suffix; older leftovers there are removed."""
     sweep(target.parent)
     return target.with_name(own_name(target.suffix))
 
