@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Both sides of a batch's warm process, which does many tasks without being restarted.
+"""Both sides of a batch's warm process, which does many tasks without being restarted, and the pool of such processes.
 
 A task is a JSON object on a line of its standard input; the answer is one on a line of its standard output that begins
 with a mark, because Blender prints there, too.

@@ -14,8 +14,7 @@ from ...geometry.tet_mesh import TetMesh
 from ...interpolate_solid import outward_signs
 from .surfaces import LayerSurfaces
 
-# Smoothing goes half of the way to the middle of the neighbours, and not back: paths through tetrahedra waver over many
-# points.
+# Smoothing goes half of the way to the middle of the neighbours, and not back: paths through tetrahedra are too uneven.
 _STEPS = (0.5,)
 
 
@@ -25,11 +24,11 @@ class DefectCurve:
 
     Attributes
     ----------
-    points : (p, 3) centres of faces and tetrahedra by turns, as the curve passes them; an open one begins and ends
-        on the boundary, of a closed one the first does not come again
-    faces : indices of the faces that it punctures
-    tets : indices of the tetrahedra that it runs through, the first one from faces[0] on
-    index : positive integer
+    points : (p, 3) centres of faces and tetrahedra in turn; an open curve begins and ends on the boundary, a closed one
+        does not repeat its first point
+    faces : those that it punctures
+    tets : those that it passes, the first one after faces[0]
+    index : positive
     """
 
     points: np.ndarray
@@ -45,24 +44,14 @@ class DefectCurve:
     def smooth_points(self) -> np.ndarray:
         """(p, 3) points without the zigzag from cell to cell; the ends of an open curve stay.
 
-        They move half as many times as there are points: a ring of any size shrinks by less than the distance between
-        two of them.
+        With half as many steps as there are points, a ring of any size shrinks by less than the distance of two points.
         """
         return smooth_line(self.points, self.is_closed, len(self.points) // 2, _STEPS)
 
 
 def defect_curves(mesh: TetMesh, numbers: np.ndarray) -> list[DefectCurve]:
-    """Join punctured faces to curves, each of which closes or ends on the boundary.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-    numbers : (f,) as :func:`core.interpolate_solid.face_numbers` gives them
-
-    Returns
-    -------
-    list of DefectCurve, open ones first, in the order of their first faces
-    """
+    """Join punctured faces, by their (f,) :func:`core.interpolate_solid.face_numbers`, to curves that close or end on
+    the boundary: open ones first, in the order of their first faces."""
     # By the right hand: where the phase turns counterclockwise seen from outside, the curve comes out.
     return [_curve(mesh, strand) for strand in join_curves(numbers, mesh.tet_faces, outward_signs(mesh))]
 
@@ -76,13 +65,12 @@ def _curve(mesh: TetMesh, strand: FaceCrossingCurve) -> DefectCurve:
 
 @dataclass(frozen=True)
 class CurveEnd:
-    """One end of a curve.
+    """One end of a curve, on the boundary of a solid.
 
     Attributes
     ----------
-    face : of the layers' triangles, the nearest
-    index : of the curve by the right hand: positive where it comes out
-    position : of the end
+    face : the nearest triangle of the layers
+    index : of the curve, positive where it leaves the solid
     normal : unit vector out of the solid
     """
 
@@ -93,14 +81,7 @@ class CurveEnd:
 
 
 def curve_ends(solid: TetMesh, surfaces: LayerSurfaces, curves: Sequence[DefectCurve]) -> tuple[CurveEnd, ...]:
-    """:class:`CurveEnd` of each end of open curves.
-
-    Parameters
-    ----------
-    solid : TetMesh
-    surfaces : LayerSurfaces in it
-    curves : DefectCurves in it
-    """
+    """Both ends of each open curve in a solid."""
     ends = [
         (curve.points[place], curve.faces[place], sign * curve.index)
         for curve in curves
