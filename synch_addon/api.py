@@ -375,7 +375,7 @@ def select(obj: bpy.types.Object, vertices: Sequence[int]) -> None:
     Raises
     ------
     SettingError
-        for what is no vertex
+        for numbers that are not vertices
     """
     meshes.refuse(obj)
     chosen = check_vertices(vertices, len(obj.data.vertices))

@@ -85,7 +85,7 @@ def check_clashes(files: Iterable[DeclaredFile]) -> None:
 def check_inputs(files: Iterable[DeclaredFile]) -> None:
     """Refuse devices and pipes as inputs, which may never end, and names that the system refuses.
 
-    What is missing is told where it is read.
+    Missing files are reported where they are read.
 
     Raises
     ------

@@ -145,7 +145,7 @@ def _nearest_star(tangent: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray,
 def _known_suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise SettingError(f"{path} is no known field file: use the suffix .rawfield or .rosy")
+        raise SettingError(f"{path} is not a field file: use the suffix .rawfield or .rosy")
     return suffix
 
 
@@ -167,7 +167,7 @@ def _whole_numbers(path: Path, lines: list[_Line], wanted: int, remedy: str) -> 
     number, line = lines[0]
     words = line.split()
     if len(words) != wanted or not all(re.fullmatch(r"0*[1-9]\d{0,9}", word) for word in words):
-        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is no header, {remedy}")
+        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is not a header, {remedy}")
     return [int(word) for word in words]
 
 

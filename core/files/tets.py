@@ -55,7 +55,7 @@ def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise SettingError(f"{path} is no known file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
+        raise SettingError(f"{path} is not a file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
     with border(path):
         read = _read_medit if suffix == ".mesh" else _read_vtu
         vertices, tets, triangles, numbers = read(path, read_bytes(path, TEXT_BYTES))
@@ -105,7 +105,7 @@ def medit_sections(path: Path, content: bytes) -> dict[str, str]:
     parts = re.split(r"\b([A-Za-z]\w{2,})", text)
     sections = dict(zip(parts[1::2], parts[2::2], strict=True))
     if "MeshVersionFormatted" not in sections:
-        raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted, export it again")
+        raise SettingError(f"{path} is not a MEDIT file: it lacks MeshVersionFormatted, export it again")
     if sections.get("Dimension", "3").strip() != "3":
         raise SettingError(f"{path} is flat: export a solid of dimension 3")
     return sections
@@ -114,7 +114,7 @@ def medit_sections(path: Path, content: bytes) -> dict[str, str]:
 def _read_medit(path: Path, content: bytes) -> _Read:
     sections = medit_sections(path, content)
     if not sections.get("Vertices", "").strip():
-        raise SettingError(f"{path} is no MEDIT file: it lacks Vertices, export it again")
+        raise SettingError(f"{path} is not a MEDIT file: it lacks Vertices, export it again")
     for name in MEDIT_SOLIDS:
         if len(sections.get(name, "").split(None, 2)) > 1:
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
@@ -215,9 +215,11 @@ def vtu_root(path: Path, content: bytes, kind: str = "UnstructuredGrid") -> tupl
     try:
         root = ElementTree.fromstring(head + tail)
     except ElementTree.ParseError as error:
-        raise SettingError(f"{path} is no XML file ({error}): export it again") from error
+        raise SettingError(f"{path} is not an XML file ({error}): export it again") from error
     if root.tag != "VTKFile" or root.get("type") != kind:
-        wanted = "no unstructured grid of VTK: export it as .vtu" if kind == "UnstructuredGrid" else f"not VTK's {kind}"
+        wanted = (
+            "not an unstructured grid of VTK: export it as .vtu" if kind == "UnstructuredGrid" else f"not VTK's {kind}"
+        )
         raise SettingError(f"{path} is {wanted}")
     return root, appended
 

@@ -62,7 +62,7 @@ def _write_beside(waiting: list[_Waiting], path: str | Path, is_whole: _Check | 
         raise unwritten(path, "this is a folder")
     is_device = target.exists() and not target.is_file()
     if is_device and is_whole is not None:
-        raise unwritten(path, "this is no file, and nobody could tell whether all of it arrived")
+        raise unwritten(path, "this is not a file, so it cannot be checked for completeness")
     made = Path(path).absolute() if is_device else place_beside(target)
     try:
         if is_device:

@@ -27,7 +27,7 @@ class LayerSurfaces:
     ----------
     vertices : (p, 3)
     triangles : (t, 3) vertices, normals along the growth
-    layers : (t,) number of the connected piece, from 0 at the bottom, or of the level, shared by all pieces at a height;
+    layers : (t,) number of the connected piece, from 0 at the bottom, or of the level, of all pieces at one height;
         a screw dislocation along the growth makes one ramp of the sheets around it
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
     """

@@ -178,7 +178,7 @@ def test_a_plan_keeps_what_cannot_be_a_row_and_makes_no_folder(tmp_path):
     planned = plan([["info", "1", str(path)], ["wrong"], told], understood, {})
     assert not path.parent.exists()
     assert [row.key is None for row in planned] == [False, True, True]
-    assert [row.told for row in planned[1:]] == ["this command is wrong", "no JSON"]
+    assert [row.content for row in planned[1:]] == ["this command is wrong", "no JSON"]
 
 
 def test_two_rows_that_write_the_same_file_are_refused(tmp_path):
