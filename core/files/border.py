@@ -40,12 +40,8 @@ _LARGEST_WHOLE = 2**53
 def border(source: str | Path, remedy: str = "export it again") -> Iterator[None]:
     """Turn errors of damaged data into one line that names its source, such as a path, and a remedy.
 
-    Raises
-    ------
-    SettingError
-        for damaged data, files that cannot be opened, and more data than memory holds
-    SynchError
-        of a reader, with the source in front if it names none
+    Raises SettingError for damaged data, files that cannot be opened, and more data than memory holds; SynchError of a
+    reader, with the source in front if it names none.
     """
     cause: BaseException
     try:

@@ -69,10 +69,7 @@ class FileOwners:
 def check_clashes(files: Iterable[DeclaredFile]) -> None:
     """Refuse files of one command that would overwrite one another.
 
-    Raises
-    ------
-    SettingError
-        naming the two
+    Raises SettingError naming the two.
     """
     owners, listed = FileOwners(), list(files)
     for number, file in enumerate(listed):
@@ -87,10 +84,7 @@ def check_inputs(files: Iterable[DeclaredFile]) -> None:
 
     Missing files are reported where they are read.
 
-    Raises
-    ------
-    SettingError
-        naming the file
+    Raises SettingError naming the file.
     """
     for file in files:
         if file.is_written:
@@ -111,10 +105,7 @@ def check_inputs(files: Iterable[DeclaredFile]) -> None:
 def make_folders(files: Iterable[DeclaredFile]) -> Iterator[None]:
     """Make the missing folders of outputs; those that are still empty go again where the work inside fails.
 
-    Raises
-    ------
-    SettingError
-        naming a file whose folder cannot be made
+    Raises SettingError naming a file whose folder cannot be made.
     """
     made: list[Path] = []
     try:

@@ -47,10 +47,7 @@ def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any,
     -------
     dict with all names of ``kinds``; {} for ""
 
-    Raises
-    ------
-    SettingError
-        naming the source and the first value of another kind
+    Raises SettingError naming the source and the first value of another kind.
     """
     if not text:
         return {}

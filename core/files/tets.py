@@ -39,12 +39,8 @@ def read_tets(path: str | Path) -> TetMesh:
     Inverted tetrahedra are reordered. Where triangles of the file enclose some of its tetrahedra and others fill the
     space around, up to a hull without triangles, only the enclosed ones are the solid. Vertices keep their numbers.
 
-    Raises
-    ------
-    SettingError
-        naming the file, what is wrong in it, and the remedy
-    MeshError
-        likewise, for a sound file with bad tetrahedra
+    Raises SettingError naming the file, what is wrong in it, and the remedy; MeshError likewise, for a sound file with
+    bad tetrahedra.
     """
     return read_marked_tets(path)[0]
 

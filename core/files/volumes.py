@@ -52,10 +52,7 @@ def choose_flow(
     is_curl : whether they are the vorticity
     warnings : lines that the user should read
 
-    Raises
-    ------
-    SettingError
-        naming the content of a file without such vectors
+    Raises SettingError naming the content of a file without such vectors.
     """
     have = have or ", ".join([*vectors, *numbers]) or "none"
     flows = component_names(numbers) | {name: (name,) for name in vectors}

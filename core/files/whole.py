@@ -30,10 +30,7 @@ def write_whole(path: str | Path, is_whole: _Check | None = None) -> Iterator[Pa
     path : where the file goes; links are followed
     is_whole : checks what was written, since exporters report success on a full disk; not for devices
 
-    Raises
-    ------
-    WriteError
-        where the file cannot be written, or only a part of it arrived; the older file stays
+    Raises WriteError where the file cannot be written, or only a part of it arrived; the older file stays.
     """
     with write_together() as written, written(path, is_whole) as made:
         yield made

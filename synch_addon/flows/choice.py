@@ -65,10 +65,7 @@ def choose_point(
     -------
     dict, the report; its energy is that of the filaments that are shown
 
-    Raises
-    ------
-    SynchError
-        with one line that says what is wrong and the remedy; nothing is changed
+    Raises SynchError with one line that says what is wrong and the remedy; nothing is changed.
     """
     start = time.perf_counter()
     reason = no_object(obj)

@@ -33,10 +33,7 @@ def filament_export(obj: bpy.types.Object, path: str | Path) -> Json:
     -------
     dict with `filaments` or `tubes` (their number) and `files`
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy
+    Raises SynchError with one line that names the element and the remedy.
     """
     reason = no_object(obj)
     if reason:

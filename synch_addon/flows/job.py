@@ -75,10 +75,7 @@ def clebsch(
     -------
     dict, the report
 
-    Raises
-    ------
-    SynchError
-        with one line that says what is wrong and the remedy; nothing is written
+    Raises SynchError with one line that says what is wrong and the remedy; nothing is written.
     """
     return run(job_for(source, from_names(FlowSettings, settings)), callback)
 

@@ -36,10 +36,7 @@ def layer_export(obj: bpy.types.Object, path: str | PathLike[str], together: boo
     -------
     dict with `files` and `warnings`: of files of an earlier run with more layers, which stay
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy
+    Raises SynchError with one line that names the element and the remedy.
     """
     obj, path, together = _solid(obj), _absolute(path), convert_value("together", bool, together)
     with meshes.object_mode(obj):
@@ -82,10 +79,7 @@ def layer_toolpaths(
     -------
     dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what :func:`print_facts` tells
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
+    Raises SynchError with one line that names the element and the remedy; nothing is made.
     """
     return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path, beads))
 
@@ -103,10 +97,7 @@ def layer_volume(obj: bpy.types.Object, path: str | PathLike[str], resolution: i
     -------
     dict with `volume_object`, `voxels` (inside) and `files`
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
+    Raises SynchError with one line that names the element and the remedy; nothing is made.
     """
     return run(VolumeJob(obj, path, resolution))
 
