@@ -65,9 +65,7 @@ def directions(obj: bpy.types.Object, callback: Callback | None = None, **settin
     callback : called with a stage and a fraction of the work; False as its answer cancels
     settings : see :class:`SurfaceSettings`; spacing does not count
 
-    Returns
-    -------
-    dict, the report
+    Returns the report.
 
     Raises
     ------
@@ -121,9 +119,7 @@ def layers(
     solid : TetMesh in the object's space whose boundary is its surface, in place of the one that would fill it
     settings : see :class:`LayerSettings`
 
-    Returns
-    -------
-    dict, the report: `layers_object`, `curves_object` and `surface_object` are names
+    Returns the report: `layers_object`, `curves_object` and `surface_object` are names.
     """
     return job.run(layer_job(obj, from_names(LayerSettings, settings), solid), callback)
 
@@ -141,9 +137,7 @@ def vary(obj: bpy.types.Object, number: int) -> Json:
     obj : that was solved since the file was opened
     number : 0 for the solution, then the other local optima that were found, then seeds of further searches
 
-    Returns
-    -------
-    dict, the report; its energy is that of what is shown
+    Returns the report; its energy is that of what is shown.
     """
     if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
         raise SettingError(f"the variation is {quote_value(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
@@ -212,9 +206,7 @@ def isolines(obj: bpy.types.Object, **settings: Unpack[LineKeywords]) -> Json:
     obj : with stripes or quads
     settings : see :class:`LineSettings`
 
-    Returns
-    -------
-    dict, the report: its ``object`` is the curve's name
+    Returns the report: its ``object`` is the curve's name.
     """
     meshes.refuse(obj)
     chosen = from_names(LineSettings, settings)
@@ -243,9 +235,7 @@ def relief(
     level : how often the mesh is subdivided; None for as often as its edges need
     smooth : round the surface while it is subdivided
 
-    Returns
-    -------
-    dict, the report
+    Returns the report.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -261,9 +251,7 @@ def carry(obj: bpy.types.Object) -> Json:
     ----------
     obj : with stripes or quads
 
-    Returns
-    -------
-    dict, the report: the modifier's name
+    Returns the report: the modifier's name.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -287,9 +275,7 @@ def preset(
     solve : solve the pattern that the preset is made for, also where the object has one that can show it
     settings : of the solve, in place of the preset's; see :class:`SurfaceSettings`
 
-    Returns
-    -------
-    dict, the report: the material's name, and in ``solve`` the report of the solve or None
+    Returns the report: the material's name, and in ``solve`` the report of the solve or None.
     """
     meshes.refuse(obj)
     needed = presets.solve_for(obj, name, convert_value("solve", bool, solve) or bool(settings))
@@ -313,9 +299,7 @@ def bake(obj: bpy.types.Object, callback: Callback | None = None, **settings: Un
     callback : asked between two maps
     settings : see :class:`BakeSettings`
 
-    Returns
-    -------
-    dict, the report: files or images, their sizes and seconds by the names of their maps
+    Returns the report: files or images, their sizes and seconds by the names of their maps.
     """
     return run_bake(obj, from_names(BakeSettings, settings), callback)
 
@@ -344,9 +328,7 @@ def _show(
 def import_field(obj: bpy.types.Object, path: str | Path) -> str:
     """Write the directions of a .rawfield or .rosy file to a mesh object's ``synch_direction``.
 
-    Returns
-    -------
-    "vector", "line" or "cross", what the file's directions are
+    Returns "vector", "line" or "cross", what the file's directions are.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():

@@ -43,9 +43,7 @@ def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any,
     kinds : default and kind of each known value by its name: a kind is a type or several, a dict of kinds by name, or a
         list of kinds; other names stay as they are, and None is allowed where it is the default
 
-    Returns
-    -------
-    dict with all names of ``kinds``; {} for ""
+    Returns a dict with all names of ``kinds``; {} for "".
 
     Raises SettingError naming the source and the first value of another kind.
     """

@@ -61,9 +61,7 @@ def choose_point(
     opening : degrees around the antipode that are inside a tube; None for what was chosen before
     smoothing : how often points move to the middle of their neighbours; None as before
 
-    Returns
-    -------
-    dict, the report; its energy is that of the filaments that are shown
+    Returns the report; its energy is that of the filaments that are shown.
 
     Raises SynchError with one line that says what is wrong and the remedy; nothing is changed.
     """

@@ -29,9 +29,7 @@ def filament_export(obj: bpy.types.Object, path: str | Path) -> Json:
     obj : object that was made for the filaments or the tubes of a flow in space
     path : .vtp, .vtk, .ply, .obj, .abc, and of filaments .csv; // is the folder of the .blend
 
-    Returns
-    -------
-    dict with `filaments` or `tubes` (their number) and `files`
+    Returns a dict with `filaments` or `tubes` (their number) and `files`.
 
     Raises SynchError with one line that names the element and the remedy.
     """

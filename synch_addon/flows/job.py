@@ -71,9 +71,7 @@ def clebsch(
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`FlowSettings`
 
-    Returns
-    -------
-    dict, the report
+    Returns the report.
 
     Raises SynchError with one line that says what is wrong and the remedy; nothing is written.
     """

@@ -32,9 +32,7 @@ def layer_export(obj: bpy.types.Object, path: str | PathLike[str], together: boo
     path : part.stl stands for part_000.stl, part_001.stl ..., from bottom to top; // is the folder of the .blend
     together : all into the one file instead
 
-    Returns
-    -------
-    dict with `files` and `warnings`: of files of an earlier run with more layers, which stay
+    Returns a dict with `files` and `warnings`: of files of an earlier run with more layers, which stay.
 
     Raises SynchError with one line that names the element and the remedy.
     """
@@ -75,9 +73,8 @@ def layer_toolpaths(
     beads : make a mesh of the beads as wide and as high as they are printed, in colours of their "layer", "height",
         "tilt" or "speed"
 
-    Returns
-    -------
-    dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what :func:`print_facts` tells
+    Returns a dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what
+    :func:`print_facts` tells.
 
     Raises SynchError with one line that names the element and the remedy; nothing is made.
     """
@@ -93,9 +90,7 @@ def layer_volume(obj: bpy.types.Object, path: str | PathLike[str], resolution: i
     path : .vdb, with the grid `pattern`: cos(phase), 1 on the layers
     resolution : voxels along the longest side
 
-    Returns
-    -------
-    dict with `volume_object`, `voxels` (inside) and `files`
+    Returns a dict with `volume_object`, `voxels` (inside) and `files`.
 
     Raises SynchError with one line that names the element and the remedy; nothing is made.
     """

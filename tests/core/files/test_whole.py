@@ -76,7 +76,7 @@ def test_a_device_is_written_to_as_it_is(tmp_path):
         write_text(link, "new")
     assert link.is_symlink()
     write_text("/dev/null", "new")
-    with pytest.raises(SettingError, match="this is no file"), write_whole("/dev/null", lambda made: True):
+    with pytest.raises(SettingError, match="this is not a file"), write_whole("/dev/null", lambda made: True):
         raise AssertionError("nothing is to be written")
 
 
