@@ -61,7 +61,7 @@ class Connection:
         return self.transports.ndim == 1 or self.block == 2
 
     def energy(self, phases: np.ndarray) -> float:
-        """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex, (n, d) or (n, d, d) real values."""
+        """The sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex, (n, d) or (n, d, d) real values."""
         i, j = self.edges.T
         if self.transports.ndim == 1:
             moved = self.transports * phases[i]

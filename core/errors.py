@@ -99,7 +99,7 @@ def quote_value(value: object) -> str:
 
 
 def plural(noun: str) -> str:
-    """ "edges", "vertices", "irregular vertices" """
+    """The plural of a noun: "edges", "vertices", "irregular vertices"."""
     return noun[:-2] + "ices" if noun.endswith(("vertex", "vortex")) else noun + "s"
 
 

@@ -7,6 +7,7 @@ phase exp(i n a) for a direction at angle a in the vertex's tangent plane.
 
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -92,11 +93,11 @@ class DirectionField:
         vectors: np.ndarray = np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
         return vectors
 
-    def turned(self, angle: float | np.ndarray) -> "DirectionField":
+    def turned(self, angle: float | np.ndarray) -> Self:
         """The field with every direction turned counterclockwise by an angle in radians."""
         return replace(self, angles=self.angles + angle, turn=self.turn + angle)
 
-    def flattened(self, share: float, known: np.ndarray | None = None) -> "DirectionField":
+    def flattened(self, share: float, known: np.ndarray | None = None) -> Self:
         """The field with the scale of a metric in which it is parallel except at its disclinations, or a share of it.
 
         The Levi-Civita connections of conformal metrics differ by the change, across the edges, of the factor's
@@ -139,7 +140,7 @@ class DirectionField:
         own = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(turns))
         return own.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
 
-    def showing(self, phases: np.ndarray) -> "DirectionField":
+    def showing(self, phases: np.ndarray) -> Self:
         """The field with other phases of the same problem: a variation."""
         return replace(self, angles=np.angle(phases) / self.symmetry + self.turn)
 
@@ -165,6 +166,14 @@ class DirectionField:
         posed = self.mesh.posed
         own = self.correction is not None or posed is self.mesh
         return None if own else matchings(posed, self.angles, self.symmetry)
+
+
+@dataclass(frozen=True)
+class SolvedField(DirectionField):
+    """A direction field with the problem that it solves."""
+
+    solution: Solution
+    problem: SynchronizationProblem
 
 
 def direction_problem(
@@ -264,7 +273,7 @@ def direction_field(
     before: DirectionField | None = None,
     follower: Follower | None = None,
     start: np.ndarray | None = None,
-) -> DirectionField:
+) -> SolvedField:
     """The smoothest direction field that follows the wishes.
 
     Parameters
@@ -290,7 +299,7 @@ def direction_field(
     angles = np.angle(solution.phases) / symmetry
     if carried is not None:
         angles = nearest_representatives(angles, carried, symmetry)
-    field = DirectionField(mesh, symmetry, angles, solution, problem, correction=correction)
+    field = SolvedField(mesh, symmetry, angles, solution, problem, correction=correction)
     return field.flattened(1 - wishes.singularities, known)
 
 

@@ -38,15 +38,14 @@ _FINEST = 1e-9
 
 
 @dataclass(frozen=True)
-class Pattern:
-    """Phases on a mesh, one a vertex for stripes and two for quads.
+class KnownPattern:
+    """Phases on a mesh, one a vertex for stripes and two for quads, which may have been read from where they are kept.
 
     Attributes
     ----------
     growth : the target
-    problem : of the phases, or None for phases that were given
-    solution : of the problem, or None
-    phases : (k n,) complex, the solution's or others (:meth:`showing`)
+    problem, solution : those of the phases; None in phases that were read
+    phases : (k n,) complex
     on_planes : links from phases on mirror planes to themselves
     """
 
@@ -62,16 +61,8 @@ class Pattern:
 
     @property
     def energy(self) -> float | None:
-        """The energy of the phases; None for given ones."""
-        if self.problem is None:
-            return None
-        if self.solution is not None and self.phases is self.solution.phases:
-            return self.solution.energy
-        return self.problem.energy(self.phases)
-
-    def showing(self, phases: np.ndarray) -> "Pattern":
-        """The pattern with other phases of the same problem: a variation, or one with defects at chosen places."""
-        return replace(self, phases=phases)
+        """The energy of the phases; None for those that were read."""
+        return None
 
     @cached_property
     def edge_phases(self) -> EdgePhases:
@@ -101,6 +92,23 @@ class Pattern:
     def on_faces(self, polygons: Polygons) -> tuple[FacePhases, ...]:
         """The phases on the faces that the mesh's triangles make up, one item for each phase."""
         return face_phases(self.edge_phases, polygons)
+
+
+@dataclass(frozen=True)
+class Pattern(KnownPattern):
+    """A pattern with the problem that it solves; its phases are the solution's or others (:meth:`showing`)."""
+
+    problem: SynchronizationProblem
+    solution: Solution
+
+    @property
+    def energy(self) -> float:
+        """The energy of the phases."""
+        return self.solution.energy if self.phases is self.solution.phases else self.problem.energy(self.phases)
+
+    def showing(self, phases: np.ndarray) -> "Pattern":
+        """The pattern with other phases of the same problem: a variation, or one with defects at chosen places."""
+        return replace(self, phases=phases)
 
 
 def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") -> None:
@@ -196,7 +204,7 @@ def solve_pattern(
     mirrors: Sequence[Reflection] = (),
     options: Options | None = None,
     callback: Callback | None = None,
-    before: Pattern | None = None,
+    before: KnownPattern | None = None,
     hold: float = 0.0,
     branching: float = 1.0,
     show: Callable[[Pattern], object] | None = None,
@@ -236,7 +244,6 @@ def change_pattern(
     The pattern has its problem, and its growth a correction already; options and callback as :func:`core.solve.solve`.
     """
     growth = pattern.growth
-    assert pattern.problem is not None
     problem = pattern.problem.turned_by(growth.connection_turns(correction))
     growth = replace(growth, correction=growth.correction + correction)
     return _pattern_of(growth, problem, solve(problem, options, callback), pattern.on_planes)
@@ -257,7 +264,7 @@ def known_pattern(
     rows: Sequence[Row] = (),
     mirrors: Sequence[Reflection] = (),
     branching: float = 1.0,
-) -> Pattern:
+) -> KnownPattern:
     """The pattern of (k n,) complex phases that are known, without problem and solution.
 
     Other parameters as :func:`pattern_problem`.
@@ -265,7 +272,7 @@ def known_pattern(
     growth = _growth(mesh, field, spacing, rows)
     if branching < 1:
         growth, _, _ = _pose_pattern(mesh, field, spacing, rows, mirrors, branching)
-    return Pattern(growth, None, None, phases)
+    return KnownPattern(growth, None, None, phases)
 
 
 def _growth(mesh: TriangleMesh, field: DirectionField, spacing: ArrayLike, rows: Sequence[Row]) -> TargetOneForm:

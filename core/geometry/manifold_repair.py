@@ -51,7 +51,7 @@ class Finding:
 
     @property
     def kind(self) -> str:
-        """ "vertex", "edge" or "face" """
+        """What it is of: "vertex", "edge" or "face"."""
         return KINDS[self.name][0]
 
     @property

@@ -178,7 +178,7 @@ class TetMesh:
 
     @cached_property
     def edge_lengths(self) -> np.ndarray:
-        """(e,)"""
+        """(e,) length of each edge."""
         return np.linalg.norm(self.edge_vectors, axis=1)
 
     @cached_property

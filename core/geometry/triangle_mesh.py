@@ -161,7 +161,7 @@ class TriangleMesh:
 
     @cached_property
     def edge_lengths(self) -> np.ndarray:
-        """(e,)"""
+        """(e,) length of each edge."""
         return np.linalg.norm(self.edge_vectors, axis=1)
 
     @cached_property
@@ -181,7 +181,7 @@ class TriangleMesh:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """(m,)"""
+        """(m,) area of each triangle."""
         return 0.5 * self._corner_products[1][:, 0]
 
     @cached_property

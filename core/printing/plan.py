@@ -101,7 +101,7 @@ class PrintPlan:
 
     @property
     def collided(self):
-        """(n,) bool"""
+        """(n,) bool, whether the tool meets something there."""
         return self.met >= 0
 
     @cached_property

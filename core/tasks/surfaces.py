@@ -27,7 +27,7 @@ from ..fields import (
 from ..fields.alignment import along_curvature
 from ..fields.directions import known_directions
 from ..fields.mirror import Mirror
-from ..fields.patterns import known_pattern
+from ..fields.patterns import KnownPattern, known_pattern
 from ..fields.target_one_form import COARSE_SHARE, TargetOneForm
 from ..geometry import TriangleMesh
 from ..geometry.mesh_input import MeshInput
@@ -188,7 +188,9 @@ class SurfaceRequest:
         with self._renumber_errors():
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins)
-            field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
+            field: DirectionField = direction_field(
+                mesh, symmetry, wishes, self.options, progress, before, follower, start
+            )
         if self.command == "quad_mesh":
             field = along_curvature(field)
         return field.turned(self.turn)
@@ -232,7 +234,7 @@ class SurfaceRequest:
             )
         return result(pattern)
 
-    def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, Pattern]:
+    def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, KnownPattern]:
         """Directions and pattern of an earlier solution's (n, 3) directions and (k n,) complex phases."""
         mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
         wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)

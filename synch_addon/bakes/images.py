@@ -6,8 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.files.pictures import is_whole
-from ...core.files.whole import unwritten
+from ...core.files.whole import is_whole_image, unwritten
 from ...core.settings.bake import MAPS, SUFFIXES
 from ..blender.transaction import assign, at_the_end, keep, set_aside
 from ..nodes.canvas import find_node, surface_material
@@ -56,7 +55,7 @@ def save(values, path, settings, map_name, scene):
     except RuntimeError as error:
         raise unwritten(path, str(error).strip().splitlines()[0]) from error
     bpy.data.images.remove(image)
-    if not is_whole(path):
+    if not is_whole_image(path):
         raise unwritten(path, "only a part arrived")
 
 

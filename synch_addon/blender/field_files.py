@@ -49,7 +49,7 @@ def read_guide(given, path):
     return field.symmetry, partial(to_vertices, given.mesh, measured)
 
 
-def import_directions(obj, path):
+def import_directions(obj, path) -> str:
     """Write the directions of a field file to the object's ``synch_direction``; returns the symmetry's name.
 
     Vertices whose faces have no direction get a zero vector.

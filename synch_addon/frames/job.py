@@ -17,7 +17,9 @@ from ...core.errors import MeshError, SettingError, SynchError, quote_value
 from ...core.fields import given_directions
 from ...core.fields.animation import carry_angles
 from ...core.fields.directions import DirectionField
+from ...core.files.json_text import Json
 from ...core.interpolate import face_phases
+from ...core.monitor import Callback
 from ...core.settings.keywords import SurfaceKeywords
 from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ...core.tasks.animation import FramesRequest, fresh, in_frame
@@ -76,7 +78,14 @@ class Span:
         return range(self.first, self.last + 1)
 
 
-def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings: Unpack[SurfaceKeywords]):
+def animate(
+    obj: bpy.types.Object,
+    callback: Callback | None = None,
+    frames: Sequence[int] | None = None,
+    pattern: str = "stripes",
+    hold: float = HOLD,
+    **settings: Unpack[SurfaceKeywords],
+) -> Json:
     """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
 
     Parameters

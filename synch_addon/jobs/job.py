@@ -14,13 +14,14 @@ fails. A job also has
 """
 
 from ...core.errors import SettingError, quote_value
+from ...core.files.json_text import Json
 from ...core.monitor import Monitor, portion
 
 # Share of the work that reading in pieces is.
 READING = 0.1
 
 
-def run(job, progress=None):
+def run(job, progress=None) -> Json:
     """Solve and write here and now; returns the report.
 
     Parameters

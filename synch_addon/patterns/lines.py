@@ -11,6 +11,7 @@ from mathutils import Matrix
 from ...core.errors import SettingError
 from ...core.extract.lines.isolines import End
 from ...core.extract.lines.isolines import isolines as traced_lines
+from ...core.files.json_text import Json
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender.new_geometry import add_spline
@@ -25,7 +26,7 @@ _STEP = 0.5
 _VERTICAL = 1e-4
 
 
-def write(obj, request, pattern, settings):
+def write(obj, request, pattern, settings) -> Json:
     """Make the curve object of a pattern's lines beside a mesh object; returns the report.
 
     It has the place and turn of the mesh object, and the scale is in its points, so that tubes are round and lengths

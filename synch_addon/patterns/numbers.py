@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers of an object's stripes and coordinates along them, written for shaders and geometry nodes."""
 
+import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
@@ -17,7 +18,7 @@ from .read_back import shown_pattern
 _STEP = 0.1
 
 
-def number_stripes(obj):
+def number_stripes(obj: bpy.types.Object) -> int:
     """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
 
     What is written follows every later solve and variation of the object.

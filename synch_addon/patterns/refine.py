@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, quote_value
+from ...core.files.json_text import Json
 from ...core.refinement.spacing import carried_spacing, spacing_across, wished_spacing
 from ...core.validation import convert_value
 from ..blender import attributes, groups, meshes
@@ -51,7 +52,7 @@ class MeshDetail:
     area: float
 
 
-def refine(obj, levels=None):
+def refine(obj: bpy.types.Object, levels: int | None = None) -> Json:
     """Subdivide an object's mesh, so that it carries the spacing that is set.
 
     One that looks smooth (:func:`looks_smooth`) goes to its limit surface by Catmull and Clark; of others no place

@@ -100,6 +100,7 @@ class Faces:
 
 
 def edge_of(pair: Iterable[int]) -> Edge:
+    """The edge between two vertices, the lower one first."""
     first, second = sorted(pair)
     return first, second
 

@@ -156,4 +156,5 @@ def _regular(corners: np.ndarray, up: np.ndarray) -> np.ndarray:
 
 
 def unit_vectors(vectors: np.ndarray) -> np.ndarray:
+    """(n, 3) vectors over their lengths; zero stays zero."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), _TINY)
