@@ -95,7 +95,8 @@ def quad_mesh(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
 
 def run(command, obj, settings, callback=None):
     """Run a command by its name, with ready :class:`SurfaceSettings`."""
-    return job.run(FieldJob(command, obj, settings), callback)
+    asked = FieldJob(command, obj, settings)
+    return job.run(asked, callback)
 
 
 def layers(obj, callback=None, solid=None, **settings: Unpack[LayerKeywords]):
@@ -194,7 +195,7 @@ def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
         solved = memory.recall(obj)
         if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
-        request = replace(solved.request, smoothing=smoothing)
+        request = solved.request.smoothed(smoothing)
         found = SurfaceResult(solved.field, solved.pattern, **request.finish(*request.trace(solved.pattern)))
         report = solved.report.again("quad_mesh")
         report.take(found)

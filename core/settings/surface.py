@@ -2,7 +2,7 @@
 """Settings of directions, stripes, quads and quad meshes on a surface."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -11,7 +11,7 @@ from ..validation import MOST_ROUNDS
 from .constraints import Constraint, from_plain
 from .guidance import GUIDES, Source, parse_guidance
 from .pins import parse_pins
-from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, setting
+from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, default_of, records, setting
 from .solver import SURFACES, SolverSettings
 
 # Commands with a pattern, and commands with quads.
@@ -240,6 +240,21 @@ class SurfaceSettings(SolverSettings):
         parse_guidance(self.guidance)
         parse_pins(self.pins or "")
 
+    def for_command(self, command: str) -> "SurfaceSettings":
+        """The settings that count for a command, with its own defaults; SettingError for what it cannot do."""
+        shares = {name: share for name, share in default_shares(command).items() if getattr(self, name) is None}
+        settings = replace(self, **shares)
+        if command == "directions":
+            return replace(settings, spacing=None, spacing_map="", branching=None)
+        if command not in QUADS:
+            if settings.symmetry == "cross":
+                raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+            return settings
+        for row in settings.all_constraints:
+            if row.where == "attribute" and row.what == "phase":
+                raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
+        return replace(settings, symmetry="cross")
+
     @property
     def all_constraints(self) -> tuple[Constraint, ...]:
         """The constraint list, with the constraint of the boundary."""
@@ -258,3 +273,9 @@ class SurfaceSettings(SolverSettings):
         """Name of the vector attribute whose directions are used exactly, or None."""
         exact = [source.name for source in self.sources if source.kind == "attribute" and source.strength is None]
         return exact[0] if exact and len(self.sources) == 1 else None
+
+
+def default_shares(command: str) -> dict[str, Any]:
+    """The shares of branches and of singular points that a command takes where none are given, by their names."""
+    variants = [name for name, record in records(SurfaceSettings) if record.variants]
+    return {name: default_of(SurfaceSettings, name, command) for name in variants}

@@ -247,13 +247,14 @@ def _rest_directions(obj, settings, span, base):
     if settings.exact_attribute is None:
         return None
     request = gather(span.pattern, obj, settings, base)
-    return given_directions(request.given.mesh, SYMMETRY_ORDERS[settings.symmetry], request.directions)
+    return given_directions(request.given.mesh, SYMMETRY_ORDERS[settings.symmetry], request.source.directions)
 
 
 def _following(request, rest):
     """The request along directions at rest that have gone along."""
     mesh = request.given.mesh
-    return replace(request, directions=DirectionField(mesh, 1, carry_angles(rest.angles, rest.mesh, mesh)).vectors)
+    vectors = DirectionField(mesh, 1, carry_angles(rest.angles, rest.mesh, mesh)).vectors
+    return replace(request, source=replace(request.source, directions=vectors))
 
 
 def _changing(obj, base):

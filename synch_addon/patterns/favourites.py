@@ -108,7 +108,7 @@ def _solve_of(obj, request, field):
         return None
     same = solved.request.command == request.command and len(solved.field.angles) == len(field.angles)
     same = same and np.array_equal(solved.request.spacings, request.spacings)
-    same = same and solved.request.branching == request.branching
+    same = same and solved.request.settings.branching == request.settings.branching
     same = same and np.abs(solved.field.scale - field.scale).max() < SAME
     return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < SAME else None
 

@@ -111,7 +111,7 @@ def show(obj, request, field, pattern, report, renumber=True):
     """
     frame_attributes.remove_frames(obj)
     defects, polygons = write.results(obj, request, field, pattern, report)
-    request = replace(request, given=replace(request.given, polygons=polygons))
+    request = request.on_mesh(replace(request.given, polygons=polygons))
     if renumber:
         numbers.renew_numbers(obj, request, pattern)
     return defects, request

@@ -91,8 +91,12 @@ def from_shown(obj, request):
         return request
     shown = memory.state(obj)
     before = shown.request
-    of_kind = (before.command, before.symmetry) == (request.command, request.symmetry) and request.command in SHOWN
-    if not of_kind or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles):
+    same = (before.command, before.settings.symmetry) == (request.command, request.settings.symmetry)
+    if (
+        request.command not in SHOWN
+        or not same
+        or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles)
+    ):
         return request
     return replace(request, start=(shown.field.angles - shown.field.turn, shown.pattern.phases))
 

@@ -12,7 +12,15 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, quote_value
-from ...core.refinement.spacing import carried_spacing, spacing_across, wished_spacing
+from ...core.refinement.spacing import (
+    FEW_LINES,
+    SLACK,
+    carried_spacing,
+    carries_few_lines,
+    lines_in_period,
+    spacing_across,
+    wished_spacing,
+)
 from ...core.validation import convert_value
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
@@ -21,8 +29,6 @@ from ..blender.translations import translate
 from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
 from ..jobs.report import versions
-from ..reading.refinement import FEW_LINES, SLACK, carries_few_lines
-from ..reading.surface import lines_in_period
 from . import memory, write
 
 # Faces that are looked at, spread over all of them.

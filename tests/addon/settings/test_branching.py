@@ -77,8 +77,8 @@ def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
         ("quad_mesh", 0.0, 0.95),
         ("directions", None, 1.0),
     ):
-        request = FieldJob(command, obj, SurfaceSettings(spacing=0.2)).request
-        assert (request.branching, request.singularities) == (branching, singularities)
+        settings = FieldJob(command, obj, SurfaceSettings(spacing=0.2)).request.settings
+        assert (settings.branching, settings.singularities) == (branching, singularities)
     obj = lumps()
     report = api.quad_mesh(obj, spacing=0.2)
     assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.95)
