@@ -23,7 +23,7 @@ _Crew = tuple[str, tuple[str, ...], int]
 
 
 class Cluster:
-    """The workers of a Dask scheduler; used like a :class:`.process_pool.ProcessPool`.
+    """The workers of a Dask scheduler; used like a :class:`.child_loop.ProcessPool`.
 
     Parameters
     ----------

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import SettingError, one_line
 from ..files.declared import DeclaredFile, FileOwners
-from .child_loop import Task
-from .process_pool import ProcessPool
+from .child_loop import ProcessPool, Task
 from .records import Records
 from .rows import Keys, Row
 

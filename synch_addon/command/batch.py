@@ -13,7 +13,7 @@ import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
 from ...core.batch import child_loop
-from ...core.batch.process_pool import ProcessPool
+from ...core.batch.child_loop import ProcessPool
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
 from ...core.batch.run import plan, run_rows

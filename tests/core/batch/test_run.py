@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from synch_fields.core.batch.process_pool import ProcessPool
+from synch_fields.core.batch.child_loop import ProcessPool
 from synch_fields.core.batch.records import Records
 from synch_fields.core.batch.rows import Row
 from synch_fields.core.batch.run import Planned, plan, run_rows
