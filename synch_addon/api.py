@@ -50,20 +50,13 @@ MOST_VARIATIONS = 2**31 - 1
 def directions(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a direction field on a mesh object and write it as attributes and empties.
 
+    Returns dict, the report. Raises SynchError, with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`SurfaceSettings`; spacing does not count
-
-    Returns
-    -------
-    dict, the report
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return run("directions", obj, from_names(SurfaceSettings, settings), callback)
 
@@ -102,21 +95,15 @@ def run(command, obj, settings, callback=None):
 def layers(obj, callback=None, solid=None, **settings: Unpack[LayerKeywords]):
     """Fill a closed mesh object and solve evenly spaced layers in it, made as new objects; the given one is hidden.
 
+    Returns dict, the report: `layers_object`, `curves_object` and `surface_object` are names. Raises SynchError,
+    with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object
     callback : callable(stage, fraction) -> bool, optional; False cancels
     solid : TetMesh in the object's space whose boundary is its surface, in place of the one that would fill it
     settings : see :class:`LayerSettings`
-
-    Returns
-    -------
-    dict, the report: `layers_object`, `curves_object` and `surface_object` are names
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return job.run(layer_job(obj, from_names(LayerSettings, settings), solid), callback)
 
@@ -129,19 +116,12 @@ def layer_job(obj, settings, solid=None):
 def vary(obj, number):
     """Show another near-optimal configuration of the last solve of an object, without solving again.
 
+    Returns dict, the report; its energy is that of what is shown. Raises SynchError, with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object that was solved since the file was opened
     number : 0 for the solution, then the other local optima that were found, then seeds of further searches
-
-    Returns
-    -------
-    dict, the report; its energy is that of what is shown
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
         raise SettingError(f"the variation is {quote_value(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
@@ -205,19 +185,12 @@ def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
 def isolines(obj, **settings: Unpack[LineKeywords]):
     """Make a curve object of the lines that an object shows: middles or edges of stripes, grid lines of quads.
 
+    Returns dict, the report: its ``object`` is the curve's name. Raises SynchError, with nothing made.
+
     Parameters
     ----------
     obj : bpy.types.Object with stripes or quads
     settings : see :class:`LineSettings`
-
-    Returns
-    -------
-    dict, the report: its ``object`` is the curve's name
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
     settings = from_names(LineSettings, settings)
@@ -228,6 +201,8 @@ def isolines(obj, **settings: Unpack[LineKeywords]):
 def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     """Raise an object's surface by its pattern, with a geometry nodes modifier that reads the attributes alone.
 
+    Returns dict, the report. Raises SynchError, with nothing made.
+
     Parameters
     ----------
     obj : bpy.types.Object with stripes or quads
@@ -237,15 +212,6 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
         "weave" or "dots"; or its number
     level : how often the mesh is subdivided; None for as often as its edges need
     smooth : round the surface while it is subdivided
-
-    Returns
-    -------
-    dict, the report
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -257,18 +223,11 @@ def carry(obj):
     """Carry an object's pattern through its modifiers, with one of ours after them: what vertices have of it is made
     anew on the mesh that they leave.
 
+    Returns dict, the report: the modifier's name. Raises SynchError, with nothing made.
+
     Parameters
     ----------
     obj : bpy.types.Object with stripes or quads
-
-    Returns
-    -------
-    dict, the report: the modifier's name
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -279,6 +238,9 @@ def carry(obj):
 def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeywords]):
     """Show one of the :data:`presets.PRESETS` on an object: on its pattern, or on one that is solved for it.
 
+    Returns dict, the report: the material's name, and in ``solve`` the report of the solve or None. Raises SynchError,
+    with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object
@@ -286,15 +248,6 @@ def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeyw
     callback : callable(stage, fraction) -> bool, optional; False cancels the solve
     solve : solve the pattern that the preset is made for, also where the object has one that can show it
     settings : of the solve, in place of the preset's; see :class:`SurfaceSettings`
-
-    Returns
-    -------
-    dict, the report: the material's name, and in ``solve`` the report of the solve or None
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
     needed = presets.solve_for(obj, name, convert_value("solve", bool, solve) or bool(settings))
@@ -312,20 +265,14 @@ def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeyw
 def bake(obj, callback=None, **settings: Unpack[BakeKeywords]):
     """Bake what an object's stripes or quads show into image files, or images packed into the .blend.
 
+    Returns dict, the report: files or images, their sizes and seconds by the names of their maps. Raises SynchError,
+    with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object with stripes or quads; it may be hidden
     callback : callable(stage, fraction) -> bool, optional; False cancels between two maps
     settings : see :class:`BakeSettings`
-
-    Returns
-    -------
-    dict, the report: files or images, their sizes and seconds by the names of their maps
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return run_bake(obj, from_names(BakeSettings, settings), callback)
 
@@ -349,14 +296,7 @@ def _show(obj, change, number=0, renumber=True):
 def import_field(obj, path):
     """Write the directions of a .rawfield or .rosy file to a mesh object's ``synch_direction``.
 
-    Returns
-    -------
-    "vector", "line" or "cross", what the file's directions are
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
+    Returns "vector", "line" or "cross", what the file's directions are. Raises SynchError, with nothing written.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -366,16 +306,13 @@ def import_field(obj, path):
 def export_field(obj, path, symmetry="line"):
     """Write a mesh object's ``synch_direction`` as a .rawfield or .rosy file, one set of directions a triangle.
 
+    Raises SynchError, with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object, all of whose faces are triangles
     path : where to
     symmetry : "vector", "line" or "cross", what the directions are
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
     if convert_value("symmetry", str, symmetry) not in SYMMETRY_ORDERS:
@@ -387,10 +324,7 @@ def export_field(obj, path, symmetry="line"):
 def select(obj, vertices):
     """Select vertices and nothing else of an object's mesh, in object or edit mode.
 
-    Raises
-    ------
-    SettingError
-        for what is no vertex
+    Raises SettingError for what is no vertex.
     """
     meshes.refuse(obj)
     vertices = check_vertices(vertices, len(obj.data.vertices))

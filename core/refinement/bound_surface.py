@@ -83,7 +83,8 @@ def refine(
     """Refine a mesh until no edge is longer than a limit, after joining boundary vertices at the same place.
 
     Faces without longer edges are kept. Faces without finite coordinates, triangles whose corners were joined, and
-    loose elements are left out.
+    loose elements are left out. Raises TooFineError if there would be too many triangles; AsymmetryError for a mesh
+    that is not its own mirror image.
 
     Parameters
     ----------
@@ -96,13 +97,6 @@ def refine(
     triangle_corners : (t, 3) corners of the faces' triangles, face by face; by default each face is split from its
         first corner, which suits convex faces only
     axes : 0, 1 or 2, in which the mesh is symmetric and the surface is to be
-
-    Raises
-    ------
-    TooFineError
-        if there would be too many triangles
-    AsymmetryError
-        for a mesh that is not its own mirror image
     """
     vertices, starts = np.asarray(vertices, float), np.asarray(starts, int)
     corner_vertices, edges = np.asarray(corner_vertices, int), np.asarray(edges, int).reshape(-1, 2)

@@ -27,10 +27,7 @@ def read_all(elements, name, width=1, dtype=np.int32):
 def read_vectors(obj, name, given):
     """(n, 3) vectors of a POINT attribute, on the vertices and in the measured space of a :class:`MeshInput`.
 
-    Raises
-    ------
-    SettingError
-        when the attribute is missing or of another kind
+    Raises SettingError when the attribute is missing or of another kind.
     """
     return _read(_point_attribute(obj, name, "FLOAT_VECTOR", "vector")).astype(float)[given.source] @ given.stretch.T
 
@@ -48,10 +45,7 @@ def read_numbers(obj, name, given, outside=0.0):
 def read_uv_map(obj, name):
     """(c, 2) coordinates of the faces' corners in a UV map, the active one where the name is "".
 
-    Raises
-    ------
-    SettingError
-        when there is no such map
+    Raises SettingError when there is no such map.
     """
     layers = obj.data.uv_layers
     layer = layers.get(name) if name else layers.active
@@ -112,11 +106,8 @@ def write(obj, attribute, values):
 def write_attribute(obj, name, domain, data_type, values):
     """Write an attribute, replacing one of the same name that has another domain or type.
 
-    Raises
-    ------
-    ValueError
-        before anything is changed, where values do not fit the domain and the type, or one of ours does not fit
-        :mod:`.schema`, or is not finite
+    Raises ValueError before anything is changed, where values do not fit the domain and the type, or one of ours does
+    not fit :mod:`.schema`, or is not finite.
     """
     mesh = obj.data
     values = _fitting(name, domain, data_type, mesh.attributes.domain_size(domain), np.asarray(values))

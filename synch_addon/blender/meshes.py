@@ -66,7 +66,8 @@ def read_mesh(obj, base=None, strict=False, weld=False):
     """Read the object's own mesh (before modifiers) in object mode, in the shape of :func:`measured_key` and measured
     with the object's scale.
 
-    An evaluated object's own mesh is the one behind the modifiers.
+    An evaluated object's own mesh is the one behind the modifiers. Raises MeshError, naming the first element that
+    cannot carry a field.
 
     Parameters
     ----------
@@ -74,11 +75,6 @@ def read_mesh(obj, base=None, strict=False, weld=False):
     base : MeshInput of the same faces, at other places perhaps: the surface is made of the same ones
     strict : refuse what cannot carry a field as it is, instead of solving on its carrier
     weld : join boundary vertices at the same place
-
-    Raises
-    ------
-    MeshError
-        naming the first element that cannot carry a field
     """
     return read_faces(obj).surface(strict, weld) if base is None else read_faces(obj, base.polygons).moved(base)
 
@@ -302,10 +298,7 @@ def select_edges(obj, pairs):
 def select_faces(obj, faces):
     """Select faces and nothing else of a mesh in object mode, so that edit mode shows them.
 
-    Raises
-    ------
-    MeshError
-        where the mesh has fewer faces, and then nothing is selected
+    Raises MeshError where the mesh has fewer faces, and then nothing is selected.
     """
     if max(faces, default=0) >= len(obj.data.polygons):
         raise MeshError(f"faces of {obj.name} were deleted since its defects were found: solve it again")

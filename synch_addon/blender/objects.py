@@ -55,13 +55,7 @@ class ObjectLink:
 
     @property
     def found(self):
-        """The object.
-
-        Raises
-        ------
-        SynchError
-            where it is gone
-        """
+        """The object. Raises SynchError where it is gone."""
         obj = self.present
         if obj is None:
             raise SynchError(f"the object {self.name} is gone: nothing was written")

@@ -10,17 +10,14 @@ from . import attributes, groups
 def read_factors(obj, given, name, factor):
     """(n,) factors on the spacing: a float attribute as it is, or a vertex group by its weights.
 
+    Raises SettingError when there is neither, or a value of the attribute is not positive and finite.
+
     Parameters
     ----------
     obj : bpy.types.Object, in object mode
     given : MeshInput
     name : of the attribute or vertex group; the attribute goes first
     factor : of a vertex with weight 1 in the group; 1 at weight 0, and geometric in between
-
-    Raises
-    ------
-    SettingError
-        when there is neither, or a value of the attribute is not positive and finite
     """
     values = attributes.read_numbers(obj, name, given)
     if groups.is_group(obj, name):
@@ -33,15 +30,12 @@ def read_factors(obj, given, name, factor):
 def read_turns(obj, given, name, turn):
     """(n,) radians by which directions are turned: a float attribute as it is, or a vertex group by its weights.
 
+    Raises SettingError when there is neither, or a value is not finite.
+
     Parameters
     ----------
     obj, given, name : as of :func:`read_factors`
     turn : radians at a vertex with weight 1 in the group
-
-    Raises
-    ------
-    SettingError
-        when there is neither, or a value is not finite
     """
     values = attributes.read_numbers(obj, name, given)
     if groups.is_group(obj, name):

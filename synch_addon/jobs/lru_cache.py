@@ -64,13 +64,7 @@ class ObjectCache:
         self._shelf.put(obj.session_uid, solved)
 
     def get(self, obj):
-        """What is kept for an object.
-
-        Raises
-        ------
-        SynchError
-            where there is nothing
-        """
+        """What is kept for an object. Raises SynchError where there is nothing."""
         if not self.holds(obj):
             kept = f"kept for the last {self._shelf.most} objects while the file is open"
             raise SynchError(f"{obj.name} has no solve in memory ({kept}): solve it first")

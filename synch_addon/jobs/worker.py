@@ -46,16 +46,11 @@ class WorkerGone(SynchError):
 
 
 class Worker:
-    """A child process that solves one request after the other.
+    """A child process that solves one request after the other. Raises WorkerGone where it cannot be started.
 
     Parameters
     ----------
     limit : bytes of memory that it may take
-
-    Raises
-    ------
-    WorkerGone
-        where it cannot be started
 
     Attributes
     ----------
@@ -95,10 +90,7 @@ class Worker:
     def exchange(self):
         """Go on telling, and hear what it says; returns its messages, see :mod:`core.process.child`.
 
-        Raises
-        ------
-        WorkerGone
-            with one line that says why
+        Raises WorkerGone with one line that says why.
         """
         if self._gone is not None:
             raise self._gone

@@ -20,7 +20,7 @@ _STEP = 0.1
 def number_stripes(obj):
     """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
 
-    What is written follows every later solve and variation of the object.
+    What is written follows every later solve and variation of the object. Raises SynchError, with nothing written.
 
     Parameters
     ----------
@@ -30,11 +30,6 @@ def number_stripes(obj):
     -------
     int, how many stripes have a line: number k is that of spline k - 1 of :func:`api.isolines`; greater numbers are
     those of stripes whose middle lies beyond the boundary
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():

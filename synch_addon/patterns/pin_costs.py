@@ -26,14 +26,11 @@ _FLAT = 1e-9
 class PinCosts:
     """What pins of an object cost in directions, which are those of what was solved last.
 
+    Raises SynchError as of a solve.
+
     Parameters
     ----------
     obj : bpy.types.Object in object mode
-
-    Raises
-    ------
-    SynchError
-        as of a solve
     """
 
     def __init__(self, obj):

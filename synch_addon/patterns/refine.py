@@ -61,21 +61,13 @@ def refine(obj, levels=None):
     """Subdivide an object's mesh, so that it carries the spacing that is set.
 
     One that looks smooth (:func:`looks_smooth`) goes to its limit surface by Catmull and Clark; of others no place
-    changes.
+    changes. Returns dict, the report with ``levels``, ``faces_before``, ``faces`` and whether it is ``smooth``. Raises
+    SynchError, with nothing changed.
 
     Parameters
     ----------
     obj : bpy.types.Object
     levels : how often every edge is halved; None for as often as its spacing needs, at least once
-
-    Returns
-    -------
-    dict, the report with ``levels``, ``faces_before``, ``faces`` and whether it is ``smooth``
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is changed
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -154,12 +146,8 @@ def _is_smoothing(modifier):
 def _subdivide(obj, levels, smooth):
     """Subdivide the mesh of an object in object mode, and take the pattern of the old faces away.
 
-    UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs.
-
-    Raises
-    ------
-    SynchError
-        where it cannot be; nothing is changed
+    UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs. Raises
+    SynchError where it cannot be; nothing is changed.
     """
     if not 1 <= levels <= MOST_LEVELS:
         raise SettingError(f"the level is {quote_value(levels)}: give a whole number from 1 to {MOST_LEVELS}")

@@ -47,10 +47,7 @@ def refinement_of(command, obj, settings):
     """The :class:`Refinement` on which a command on an object in object mode is solved, None for its own faces; and
     the MeshInput of these, with the edges apart that are cut, where it was read.
 
-    Raises
-    ------
-    SynchError
-        as :func:`gather`, and where the surface would have too many faces
+    Raises SynchError as :func:`gather`, and where the surface would have too many faces.
     """
     if settings.surface == "faces" or (settings.surface == "automatic" and command == "directions"):
         return None, None
@@ -126,10 +123,7 @@ def solved_object(obj, refinement):
 def made_of(obj, source, refinement):
     """The object with the mesh of a refinement of ``source``, for a pattern of ``obj``.
 
-    Raises
-    ------
-    SynchError
-        where the source has other faces by now
+    Raises SynchError where the source has other faces by now.
     """
     if len(source.data.vertices) != refinement.source_vertices or state_of(obj) != refinement.state:
         raise SynchError(f"the mesh or the modifiers of {obj.name} changed while it was solved: run again")
