@@ -144,9 +144,7 @@ def _describe_end(child: _Child) -> str:
 class ProcessPool:
     """Some warm processes, started by a command, that take tasks from one queue; solves may use so many threads.
 
-    Attributes
-    ----------
-    capacity : number of tasks to start at a time: one running and one waiting for each process
+    ``capacity``: number of tasks to start at a time: one running and one waiting for each process.
     """
 
     def __init__(self, command: Sequence[str], count: int, threads: int) -> None:

@@ -72,7 +72,6 @@ def export_directions(obj, path, symmetry):
 
     Parameters
     ----------
-    obj : bpy.types.Object, in object mode
     path : with the suffix .rawfield or .rosy
     symmetry : "vector", "line" or "cross", what the directions are
     """

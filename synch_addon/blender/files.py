@@ -191,7 +191,6 @@ def export_mesh(obj, path, z_up=False, written=write_whole):
 
     Parameters
     ----------
-    obj : bpy.types.Object
     path : of a kind in MESH_SUFFIXES
     z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
     written : what a :func:`write_together` yields, for a file of a set

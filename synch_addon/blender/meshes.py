@@ -71,7 +71,6 @@ def read_mesh(obj, base=None, strict=False, weld=False):
 
     Parameters
     ----------
-    obj : bpy.types.Object
     base : MeshInput of the same faces, at other places perhaps: the surface is made of the same ones
     strict : refuse what cannot carry a field as it is, instead of solving on its carrier
     weld : join boundary vertices at the same place
@@ -172,7 +171,6 @@ def can_be_split(obj, faces, surface):
 
     Parameters
     ----------
-    obj : bpy.types.Object
     faces : (k,)
     surface : Polygons of the surface, whose faces may look like others: such a face stands for the triangle it is
     """

@@ -31,7 +31,6 @@ def fill_mesh(data, points, corners, sizes=None, smooth=False):
 
     Parameters
     ----------
-    data : bpy.types.Mesh
     points : (n, 3) places of the vertices
     corners : (f, k) vertices of faces that all have k corners; or (c,) of all faces, one after the other
     sizes : (f,) number of corners of each face, None where ``corners`` tells it

@@ -66,9 +66,7 @@ class ObjectLink:
 class Selection:
     """What was active when work began, so that its result takes nothing from a user who has gone on meanwhile.
 
-    Attributes
-    ----------
-    active : number of the object, None where there was none
+    ``active``: number of the object, None where there was none.
     """
 
     active: int | None

@@ -14,8 +14,6 @@ def read_factors(obj, given, name, factor):
 
     Parameters
     ----------
-    obj : bpy.types.Object, in object mode
-    given : MeshInput
     name : of the attribute or vertex group; the attribute goes first
     factor : of a vertex with weight 1 in the group; 1 at weight 0, and geometric in between
     """

@@ -23,9 +23,7 @@ READING = 0.1
 def run(job, progress=None):
     """Solve and write here and now; returns the report. Raises SynchError, with nothing written.
 
-    Parameters
-    ----------
-    progress : callable(stage, fraction) -> bool, optional; False cancels
+    ``progress``: callable(stage, fraction) -> bool, optional; False cancels.
     """
     if progress is not None and not callable(progress):
         raise SettingError(

@@ -51,9 +51,7 @@ class LruCache:
 class ObjectCache:
     """A shelf with a place for each object.
 
-    Parameters
-    ----------
-    most : objects, the latest ones
+    ``most``: objects, the latest ones.
     """
 
     def __init__(self, most):

@@ -48,13 +48,7 @@ class WorkerGone(SynchError):
 class Worker:
     """A child process that solves one request after the other. Raises WorkerGone where it cannot be started.
 
-    Parameters
-    ----------
-    limit : bytes of memory that it may take
-
-    Attributes
-    ----------
-    is_ready : whether it has loaded all that it needs
+    ``limit``: bytes of memory that it may take. ``is_ready``: whether it has loaded all that it needs.
     """
 
     def __init__(self, limit):

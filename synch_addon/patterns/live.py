@@ -42,7 +42,6 @@ class LiveJob:
 
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
     settings : as of :func:`settings_for`
     shown : :class:`memory.Solved` that it shows
     followers : of the directions and of the pattern
@@ -104,9 +103,7 @@ def from_shown(obj, request):
 class _Live:
     """Follows the settings of the active object while it is on.
 
-    Attributes
-    ----------
-    error : why nothing can follow, in one line, or ""
+    ``error``: why nothing can follow, in one line, or "".
     """
 
     def __init__(self):

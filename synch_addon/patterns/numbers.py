@@ -21,15 +21,8 @@ def number_stripes(obj):
     """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
 
     What is written follows every later solve and variation of the object. Raises SynchError, with nothing written.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object with stripes
-
-    Returns
-    -------
-    int, how many stripes have a line: number k is that of spline k - 1 of :func:`api.isolines`; greater numbers are
-    those of stripes whose middle lies beyond the boundary
+    ``obj``: bpy.types.Object with stripes. Returns int, how many stripes have a line: number k is that of spline k - 1
+    of :func:`api.isolines`; greater numbers are those of stripes whose middle lies beyond the boundary.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():

@@ -26,7 +26,6 @@ def bind(obj, refinement, warn):
 
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
     refinement : Refinement, or None
     warn : called with lines that the user should read
     """

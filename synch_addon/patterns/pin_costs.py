@@ -27,10 +27,6 @@ class PinCosts:
     """What pins of an object cost in directions, which are those of what was solved last.
 
     Raises SynchError as of a solve.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object in object mode
     """
 
     def __init__(self, obj):

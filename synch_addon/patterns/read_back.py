@@ -43,7 +43,6 @@ def read_back(obj, result, favourite=None):
 
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
     result : what the object keeps of their solve, see :func:`kept_results.result_line`
     favourite : number of the one that the attributes are of, None for what the object shows
     """
@@ -73,10 +72,7 @@ def read_back(obj, result, favourite=None):
 def is_apart(settings, kept):
     """Whether vertices have several phases: where edges are cut, or the surface comes apart.
 
-    Parameters
-    ----------
-    settings : SurfaceSettings
-    kept : what :func:`kept_results.result_line` keeps of the solve, as a dict
+    ``kept``: what :func:`kept_results.result_line` keeps of the solve, as a dict.
     """
     is_cut = any(row.what == "cut" for row in settings.constraints)
     return is_cut or any(name in APART for name in kept.get("carrier", {}))

@@ -62,12 +62,8 @@ def refine(obj, levels=None):
 
     One that looks smooth (:func:`looks_smooth`) goes to its limit surface by Catmull and Clark; of others no place
     changes. Returns dict, the report with ``levels``, ``faces_before``, ``faces`` and whether it is ``smooth``. Raises
-    SynchError, with nothing changed.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
-    levels : how often every edge is halved; None for as often as its spacing needs, at least once
+    SynchError, with nothing changed. ``levels``: how often every edge is halved; None for as often as its spacing
+    needs, at least once.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():

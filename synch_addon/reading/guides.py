@@ -31,8 +31,6 @@ def read_guides(obj, given, symmetry, sources):
 
     Parameters
     ----------
-    obj : bpy.types.Object, in object mode
-    given : MeshInput
     symmetry : "vector", "line" or "cross"
     sources : tuple of Source
     """

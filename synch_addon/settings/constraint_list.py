@@ -106,10 +106,6 @@ def stored_constraints(obj):
 
     Returns tuple of Constraint; empty where the extension is not registered, so that objects keep no list. Raises
     SettingError when a row lacks its vertex group, curve or attribute, or asks for what is impossible there.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
     """
     return tuple(_plain(row) for row in obj.synch.constraints if row.enabled) if hasattr(obj, "synch") else ()
 
