@@ -16,12 +16,12 @@ from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..monitor import Callback
 from ..problem import Merged, SynchronizationProblem, Targets
+from ..refinement.spacing import check_spacing
 from ..solve import Options, Solution, solve
 from .constraints.groups import Links, contract_groups, fixed_phases, join_links
 from .curl_removal import check_share, close_changes, known_turns
 from .evenness import quantiles
 from .guidance.potentials import potential
-from .patterns import check_spacing
 
 # Share of the volume at either end that does not count for the thinnest and thickest layers, as single extremes.
 _RARE = 0.01

@@ -19,6 +19,7 @@ from ..geometry.polygons import Polygons
 from ..interpolate import EdgePhases, FacePhases, face_phases
 from ..monitor import Callback
 from ..problem import SynchronizationProblem, join_targets
+from ..refinement.spacing import check_spacing
 from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
 from .animation import next_solution
@@ -32,9 +33,6 @@ from .directions import DirectionField
 from .evenness import Evenness, evenness
 from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
 from .target_one_form import TargetOneForm
-
-# Spacings below this share of the object are too fine for phases in double precision.
-_FINEST = 1e-9
 
 
 @dataclass(frozen=True)
@@ -120,38 +118,6 @@ class Pattern:
     def on_faces(self, polygons: Polygons) -> tuple[FacePhases, ...]:
         """The phases on the faces that the mesh's triangles make up, one item for each phase."""
         return face_phases(self.edge_phases, polygons)
-
-
-def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") -> None:
-    """Refuse a spacing larger than the object, or too fine for double precision.
-
-    Parameters
-    ----------
-    places : (n, 3) vertices that the pattern is on
-    spacing : a length in their unit, or one at each vertex (and axis)
-    what : the spaced thing, for messages
-    """
-    spacing = check_lengths(spacing)
-    extent = np.linalg.norm(np.ptp(places, axis=0))
-    if spacing.min() > extent:
-        raise SettingError(
-            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no {what} would fit, reduce it"
-        )
-    if spacing.min() < _FINEST * extent:
-        raise SettingError(
-            f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
-            f"give one from {1.1 * _FINEST * extent:.2g} on"
-        )
-
-
-def check_lengths(spacing: ArrayLike) -> np.ndarray:
-    """Spacings, one or one at each vertex (and axis), as an array; refuses those that are not positive lengths."""
-    spacing = np.asarray(spacing, float)
-    bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
-    if len(bad):
-        where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
-        raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
-    return spacing
 
 
 def pattern_problem(mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes) -> SynchronizationProblem:

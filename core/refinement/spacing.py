@@ -5,8 +5,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SettingError
-from ..fields.patterns import check_lengths, check_spacing
-from ..fields.target_one_form import COARSE_SHARE
 from ..geometry.check import refuse_far_vertices
 from ..geometry.mesh_input import MeshInput, ObjectMesh
 from ..geometry.triangle_mesh import TriangleMesh
@@ -15,6 +13,10 @@ from ..settings.surface import QUADS as QUAD_COMMANDS
 from ..settings.surface import SurfaceSettings
 from .bound_surface import BoundSurface, TooFineError, refine
 
+# The largest share of edges along which a phase may turn by more than half a period.
+COARSE_SHARE = 0.05
+# Spacings below this share of the object are too fine for phases in double precision.
+_FINEST = 1e-9
 # Automatic spacing: number of stripes or quads across the object, and least number of edges per period.
 LINES_ACROSS = 40
 EDGES_PER_PERIOD = 4
@@ -108,26 +110,17 @@ def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: 
 
     ``factors`` are one, or (n,) on the spacing. SettingError as of :func:`asked_spacings`.
     """
-    uncut = given.uncut
-    try:
-        if not _has_short_edges(command, given.mesh, settings, factors):
-            return False
-    except SettingError:
-        refuse_far_vertices(given.mesh)  # rather than a spacing that suits their distance
-        raise
-    if len(uncut.boundary_edges) == 0:
-        return True
-    return bool((welded_vertices(uncut.vertices, uncut.triangles) == np.arange(uncut.vertex_count)).all())
-
-
-def _has_short_edges(command: str, mesh: TriangleMesh, settings: SurfaceSettings, factors: float | np.ndarray) -> bool:
-    spacing = settings.spacing
+    uncut, mesh, spacing = given.uncut, given.mesh, settings.spacing
     if spacing is None:
         spacing = automatic_spacing(mesh, lines_in_period(command))
         has_count = command == "quad_mesh" and settings.faces
         if not has_count and carries_few_lines(command, _size(mesh), spacing):
             return False
-    return longest_edge(mesh, asked_spacings(command, mesh, settings, spacing, factors)[1]) is None
+    if _asked_edges(command, mesh, settings, spacing, factors)[2] is not None:
+        return False
+    if len(uncut.boundary_edges) == 0:
+        return True
+    return bool((welded_vertices(uncut.vertices, uncut.triangles) == np.arange(uncut.vertex_count)).all())
 
 
 def finer_copy(
@@ -147,12 +140,11 @@ def finer_copy(
     factors : on the spacing, one or (n,)
     """
     mesh, longest = given.mesh, None
-    refuse_far_vertices(mesh)
     spacing = settings.spacing or wished_spacing(mesh.areas.sum(), lines_in_period(command))
     spacings: float | np.ndarray = spacing
     if command != "directions":
-        spacing, spacings = asked_spacings(command, mesh, settings, spacing, factors)
-        longest = longest_edge(mesh, spacings)
+        spacing, spacings, longest = _asked_edges(command, mesh, settings, spacing, factors)
+    refuse_far_vertices(mesh)
     faces, axes = read.polygons, ["XYZ".index(axis) for axis in settings.mirror]
     try:
         return refine(
@@ -177,6 +169,21 @@ def finer_copy(
     raise SettingError(f"{settings.faces} faces are too many for this mesh: ask for {fitting} at most")
 
 
+def _asked_edges(
+    command: str, mesh: TriangleMesh, settings: SurfaceSettings, spacing: float, factors: float | np.ndarray
+) -> tuple[float, float | np.ndarray, float | None]:
+    """What :func:`asked_spacings` and then :func:`longest_edge` return.
+
+    Far vertices are refused rather than a spacing that suits their distance.
+    """
+    try:
+        spacing, spacings = asked_spacings(command, mesh, settings, spacing, factors)
+        return spacing, spacings, longest_edge(mesh, spacings)
+    except SettingError:
+        refuse_far_vertices(mesh)
+        raise
+
+
 def asked_spacings(
     command: str, mesh: TriangleMesh, settings: SurfaceSettings, spacing: float, factors: float | np.ndarray = 1.0
 ) -> tuple[float, float | np.ndarray]:
@@ -191,6 +198,38 @@ def asked_spacings(
         return factor * spacing, factor * spacings
     check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacings)
     return spacing, spacings
+
+
+def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") -> None:
+    """Refuse a spacing larger than the object, or too fine for double precision.
+
+    Parameters
+    ----------
+    places : (n, 3) vertices that the pattern is on
+    spacing : a length in their unit, or one at each vertex (and axis)
+    what : the spaced thing, for messages
+    """
+    spacing = check_lengths(spacing)
+    extent = np.linalg.norm(np.ptp(places, axis=0))
+    if spacing.min() > extent:
+        raise SettingError(
+            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no {what} would fit, reduce it"
+        )
+    if spacing.min() < _FINEST * extent:
+        raise SettingError(
+            f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
+            f"give one from {1.1 * _FINEST * extent:.2g} on"
+        )
+
+
+def check_lengths(spacing: ArrayLike) -> np.ndarray:
+    """Spacings, one or one at each vertex (and axis), as an array; refuses those that are not positive lengths."""
+    spacing = np.asarray(spacing, float)
+    bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
+    if len(bad):
+        where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
+        raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
+    return spacing
 
 
 def spacing_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:

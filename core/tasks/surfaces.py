@@ -29,13 +29,20 @@ from ..fields.constraints.features import feature_edges, feature_row
 from ..fields.directions import known_directions
 from ..fields.mirror import Mirror, Reflection, Seam
 from ..fields.patterns import known_pattern, next_pattern, solve_pattern
-from ..fields.target_one_form import COARSE_SHARE, TargetOneForm
+from ..fields.target_one_form import TargetOneForm
 from ..geometry import TriangleMesh
 from ..geometry.cut import edges_after_cut
 from ..geometry.mesh_input import MeshInput
 from ..geometry.mirror import mirrored_vertices
 from ..monitor import Callback, Monitor, portion
-from ..refinement.spacing import asked_spacings, lines_in_period, smallest_sides, spacing_on_faces, wished_spacing
+from ..refinement.spacing import (
+    COARSE_SHARE,
+    asked_spacings,
+    lines_in_period,
+    smallest_sides,
+    spacing_on_faces,
+    wished_spacing,
+)
 from ..settings.pins import parse_pins
 from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings, default_shares
 from ..solution import FIRST, Clock

@@ -6,7 +6,7 @@ from itertools import count
 
 import numpy as np
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, name_elements
 from .groups import is_group, read_weights
 from .schema import FORMAT, PREFIX, STAMP, TYPES, layout_of
 from .transaction import at_the_end, store, undone_by
@@ -40,6 +40,49 @@ def read_numbers(obj, name, given, outside=0.0):
     if is_group(obj, name):
         return read_weights(obj, name, outside)[given.source]
     return _read(_point_attribute(obj, name, "FLOAT", "float")).astype(float)[given.source]
+
+
+def read_factors(obj, given, name, factor):
+    """(n,) factors on the spacing: a float attribute as it is, or a vertex group by its weights.
+
+    Raises SettingError when there is neither, or a value of the attribute is not positive and finite.
+
+    Parameters
+    ----------
+    name : of the attribute or vertex group; the attribute goes first
+    factor : of a vertex with weight 1 in the group; 1 at weight 0, and geometric in between
+    """
+    values = read_numbers(obj, name, given)
+    if is_group(obj, name):
+        return factor**values
+    values[given.mesh.loose_vertices] = 1
+    _refuse(obj, given, name, ~(np.isfinite(values) & (values > 0)), "a positive factor on the spacing")
+    return values
+
+
+def read_turns(obj, given, name, turn):
+    """(n,) radians by which directions are turned: a float attribute as it is, or a vertex group by its weights.
+
+    Raises SettingError when there is neither, or a value is not finite.
+
+    Parameters
+    ----------
+    obj, given, name : as of :func:`read_factors`
+    turn : radians at a vertex with weight 1 in the group
+    """
+    values = read_numbers(obj, name, given)
+    if is_group(obj, name):
+        return turn * values
+    _refuse(obj, given, name, ~np.isfinite(values), "a finite angle in radians")
+    return values
+
+
+def _refuse(obj, given, name, bad, wanted):
+    vertices = np.unique(given.source[bad])
+    if len(vertices):
+        raise SettingError(
+            f"the attribute {name!r} of {obj.name} is of no use at {name_elements('vertex', vertices)}: give {wanted}"
+        )
 
 
 def read_uv_map(obj, name):

@@ -4,9 +4,8 @@
 import numpy as np
 
 from ...core.errors import MeshError
-from ...core.fields.target_one_form import COARSE_SHARE
 from ...core.graphs import components
-from ...core.refinement.spacing import EDGES_PER_PERIOD, automatic_spacing, lines_in_period
+from ...core.refinement.spacing import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing, lines_in_period
 from ..blender.meshes import read_mesh
 from ..jobs.report import versions
 

@@ -35,11 +35,11 @@ class FieldJob:
         self._report = Report(command, obj, settings)
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
-            self._refinement, given = refinement_of(command, obj, settings)
+            self._refinement, read = refinement_of(command, obj, settings)
             with solved_object(obj, self._refinement) as surface:
                 self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
                 settings = self._report.settings = replace(settings, pins=self._pins)
-                self.request = gather(command, surface, settings, given=given)
+                self.request = gather(command, surface, settings, read=read)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
 

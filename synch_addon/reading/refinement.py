@@ -14,7 +14,6 @@ from ...core.refinement.spacing import finer_copy, is_fine
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
-from . import constraints
 from .surface import read_spacing_map
 
 
@@ -45,7 +44,7 @@ class Refinement:
 
 def refinement_of(command, obj, settings):
     """The :class:`Refinement` on which a command on an object in object mode is solved, None for its own faces; and
-    the MeshInput of these, with the edges apart that are cut, where it was read.
+    the MeshInput of these, where it was read.
 
     Raises SynchError as :func:`gather`, and where the surface would have too many faces.
     """
@@ -56,7 +55,7 @@ def refinement_of(command, obj, settings):
         given, is_seen = meshes.read_mesh(obj, strict=settings.strict), bool(changing_modifiers(obj))
         factors = read_spacing_map(obj, given, settings)
         if is_fine(command, given, settings, factors):
-            return None, constraints.cut_mesh(obj, given, settings.constraints)
+            return None, given
     with source_of(obj, is_seen) as source:
         read = meshes.read_faces(source)
         edges = attributes.read_all(source.data.edges, "vertices", 2)

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from ...core.tasks.surfaces import SurfaceRequest, SurfaceSource
 from ..blender import attributes, meshes
+from ..blender.attributes import read_factors, read_turns
 from ..blender.objects import SURFACE_MARK
-from ..blender.vertex_maps import read_factors, read_turns
 from ..settings.constraint_list import stored_constraints
 from . import constraints
 from .guides import read_guides
@@ -21,14 +21,15 @@ def settings_for(command, obj, settings):
     return settings.for_command(command)
 
 
-def gather(command, obj, settings, base=None, given=None):
+def gather(command, obj, settings, base=None, read=None, given=None):
     """The :class:`SurfaceRequest` of what settings ask for on an object in object mode; refuses what cannot be.
 
-    Its surface is made of the same faces as a base, a MeshInput, where there is one; ``given`` is the MeshInput of the
-    object as it is, where that has been read before, with the same cuts.
+    Its surface is made of the same faces as a base, a MeshInput, where there is one. ``read`` and ``given`` are the
+    MeshInput of the object as it is, where that has been read before, without and with the same cuts.
     """
     if given is None:
-        given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
+        read = meshes.read_mesh(obj, base, settings.strict) if read is None else read
+        given = constraints.cut_mesh(obj, read, settings.constraints)
     name, exact = settings.angle_attribute, settings.exact_attribute
     has_features = command == "quad_mesh" and settings.features > 0
     source = SurfaceSource(
