@@ -73,6 +73,9 @@ class ColumnLinks:
 class SynchronizationProblem:
     """A connection with masses and constraints, and the sparse matrices of its energy.
 
+    Raises SettingError for arrays that do not fit, NaN, negative weights or masses, transports and values that are not
+    of unit length, a node that is constrained twice, or merged into a constrained node.
+
     Parameters
     ----------
     mass : (n,) positive, by default ones
@@ -83,12 +86,6 @@ class SynchronizationProblem:
     fibre : values of the nodes where transports are d x d matrices
 
     The attributes ``merged``, ``fixed`` and ``drawn`` are never None.
-
-    Raises
-    ------
-    SettingError
-        for arrays that do not fit, NaN, negative weights or masses, transports and values that are not of unit length,
-        a node that is constrained twice, or merged into a constrained node
     """
 
     def __init__(

@@ -33,15 +33,12 @@ TINY = np.finfo(float).tiny
 def edge_integrals(grid, velocity):
     """(e,) integral of a velocity along each edge, by the trapezoidal rule.
 
+    Raises SettingError for another shape, or values that are not numbers, naming the first node.
+
     Parameters
     ----------
     grid : Grid, or Surface
     velocity : (n, d) at the nodes; of a surface (n, 3), of which the tangential part counts
-
-    Raises
-    ------
-    SettingError
-        for another shape, or values that are not numbers, naming the first node
     """
     velocity = np.asarray(velocity, float)
     if isinstance(grid, Surface):
@@ -99,12 +96,8 @@ def faces_of_filament(grid, integrals, quantum):
 def quantum_for(grid, integrals, count):
     """The circulation h of one filament so that about ``count`` of them pass the plane with most vorticity.
 
-    In two dimensions there is one plane. What passes it one way counts, the way in which more does.
-
-    Raises
-    ------
-    SettingError
-        for a flow without vorticity
+    In two dimensions there is one plane. What passes it one way counts, the way in which more does. Raises SettingError
+    for a flow without vorticity.
     """
     largest = layer_sums(grid, circulations(grid, integrals))
     if largest <= 1e-9 * np.abs(integrals).sum():  # what rounding makes of a flow without any
@@ -121,10 +114,8 @@ def layer_sums(grid, fluxes):
 def clebsch_problem(grid, integrals, quantum):
     """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13).
 
-    Raises
-    ------
-    SettingError
-        for a circulation that is not positive, or so small that more than ``MOST_QUANTA`` pass a face on average
+    Raises SettingError for a circulation that is not positive, or so small that more than ``MOST_QUANTA`` pass a face
+    on average.
     """
     if not (np.isfinite(quantum) and quantum > 0):
         raise SettingError(f"the circulation of a filament is {quantum}: give a positive one")

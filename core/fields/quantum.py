@@ -30,6 +30,9 @@ MARGIN = 0.03
 def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callback=None):
     """The largest circulation of a filament with which the filaments carry a share of the vorticity.
 
+    Returns float, of three digits; the least that the grid can hold where no circulation gives as much. Raises
+    SettingError for a flow without vorticity.
+
     Parameters
     ----------
     grid : Grid, or Surface
@@ -39,15 +42,6 @@ def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callb
     largest : circulation that is tried first; None for all that passes the plane with most vorticity
     seed : of the quick solves
     callback : see :func:`core.solve.solve`
-
-    Returns
-    -------
-    float, of three digits; the least that the grid can hold where no circulation gives as much
-
-    Raises
-    ------
-    SettingError
-        for a flow without vorticity
     """
     options, monitor = Options(method="coarse", seed=seed), Monitor(callback)
     most = quantum_for(grid, integrals, count or 1)

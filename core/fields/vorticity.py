@@ -16,15 +16,12 @@ from ..errors import SettingError
 def vorticity_integrals(grid, vorticity):
     """(e,) integrals along the edges of a velocity with a given vorticity.
 
+    Raises SettingError for a grid in a plane, and values that are not numbers.
+
     Parameters
     ----------
     grid : Grid of three dimensions
     vorticity : (n, 3) at its nodes; what of it has a divergence is left out
-
-    Raises
-    ------
-    SettingError
-        for a grid in a plane, and values that are not numbers
     """
     vorticity = np.asarray(vorticity, float)
     if vorticity.shape != (grid.node_count, 3) or grid.dimension != 3:

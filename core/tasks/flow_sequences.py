@@ -82,15 +82,12 @@ class SequenceResult:
 class SequenceRequest:
     """Vortices of each frame of a sequence.
 
+    Raises SettingError for a resolution that shows nothing, or a method that cannot go on from a frame.
+
     Attributes
     ----------
     files : FrameFile of each frame
     settings : FlowSettings
-
-    Raises
-    ------
-    SettingError
-        for a resolution that shows nothing, or a method that cannot go on from a frame
     """
 
     files: tuple[FrameFile, ...]
@@ -109,12 +106,8 @@ class SequenceRequest:
     def solve(self, progress=None):
         """The :class:`SequenceResult`, the circulation of a filament being the same in all frames.
 
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SettingError
-            with one line that says what is wrong with a file
+        Raises Cancelled when the progress is answered with False; SettingError with one line that says what is wrong
+        with a file.
         """
         monitor, count = Monitor(progress), len(self.files)
 

@@ -205,17 +205,12 @@ class FlowResult:
 
 @dataclass(frozen=True)
 class FlowRequest:
-    """Vortices of a flow in space.
+    """Vortices of a flow in space. Raises SettingError for a resolution that shows nothing.
 
     Attributes
     ----------
     source : what the flow is read from
     settings : FlowSettings
-
-    Raises
-    ------
-    SettingError
-        for a resolution that shows nothing
     """
 
     source: ArrayFile | VolumeFile | FilamentCurves
@@ -232,12 +227,8 @@ class FlowRequest:
     def solve(self, progress=None):
         """The :class:`FlowResult`.
 
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SettingError
-            with one line that says what is wrong with the source
+        Raises Cancelled when the progress is answered with False; SettingError with one line that says what is wrong
+        with the source.
         """
         settings = self.settings
         grid, integrals, warnings = _interruptible(self._read, "flow", progress)

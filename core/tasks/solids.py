@@ -114,12 +114,8 @@ class SolidRequest:
     def solve(self, progress=None):
         """The :class:`SolidResult`.
 
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SynchError
-            with one line that says what is wrong and the remedy, also where memory would not do
+        Raises Cancelled when the progress is answered with False; SynchError with one line that says what is wrong and
+        the remedy, also where memory would not do.
         """
         monitor, clock = Monitor(progress), Clock()
         expected = self.estimate
