@@ -287,9 +287,7 @@ class SynchronizationProblem:
     def expand(self, coordinates: np.ndarray) -> np.ndarray:
         """Compute the phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d) or (n, d, d).
 
-        Parameters
-        ----------
-        coordinates : (N,), one for each column of :attr:`factor`; (N, d) for frames
+        ``coordinates``: (N,), one for each column of :attr:`factor`; (N, d) for frames.
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
@@ -303,9 +301,7 @@ class SynchronizationProblem:
     def coordinates(self, phases: np.ndarray) -> np.ndarray:
         """Find the (N,) or (N, d) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
 
-        Parameters
-        ----------
-        phases : (n,) complex on the circle, else (n, d) or (n, d, d)
+        ``phases``: (n,) complex on the circle, else (n, d) or (n, d, d).
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:

@@ -81,14 +81,8 @@ def sampling_noise(grid, velocity):
     them: near 0 for vorticity that the grid resolves, 1 where velocities are noise, and 3 where there is no vorticity
     and the trapezoidal rule makes what is found, as its error grows by four.
 
-    Parameters
-    ----------
-    grid : Grid
-    velocity : (n, d) at its nodes
-
-    Returns
-    -------
-    float, None for a grid that cannot be halved or a flow without any vorticity
+    ``velocity``: (n, d) at its nodes. Returns float, None for a grid that cannot be halved or a flow without any
+    vorticity.
     """
     if not grid.can_halve:
         return None
