@@ -2,6 +2,7 @@
 """Settings of directions, stripes, quads and quad meshes on a surface."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -254,6 +255,34 @@ class SurfaceSettings(SolverSettings):
             if row.where == "attribute" and row.what == "phase":
                 raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
         return replace(settings, symmetry="cross")
+
+    def unheeded(self, command: str, is_turned: bool) -> Iterator[str]:
+        """Lines about settings that have no effect, or not the expected one, beside the others.
+
+        ``is_turned``: whether the angle or its map turns the directions.
+        """
+        rows, exact, taken = self.all_constraints, self.exact_attribute, "directions that an attribute gives are taken"
+        strength = f"give it a strength (attribute:{exact}=1)"
+        unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
+        if exact and unheard:
+            yield f"{taken} as they are, without {', '.join(unheard)}: {strength} where rows should turn them"
+        given = [row.label for row in rows if row.what == "phase" and row.where == "attribute"]
+        if given and self.symmetry == "line" and not exact:
+            yield (
+                f"phases of {', '.join(given)} are meant for the directions that they were written with: "
+                "guide by attribute:synch_direction without a strength"
+            )
+        striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
+        if is_turned and striped:
+            yield f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0"
+        if exact and self.mirror:
+            yield f"{taken} as they are, without the mirror: {strength} where they should be mirrored"
+        if exact and (self.singularities or 0.0) < default_shares(command)["singularities"]:
+            yield f"{taken} as they are, with all their singular points: {strength} where there should be fewer"
+        if exact and self.pins:
+            yield f"{taken} as they are, without the pins: give it a strength"
+        if is_turned and self.mirror:
+            yield "the angle turns directions the same way on both sides of the mirror: set it to 0"
 
     @property
     def all_constraints(self) -> tuple[Constraint, ...]:

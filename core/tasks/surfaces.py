@@ -44,7 +44,7 @@ from ..refinement.spacing import (
     wished_spacing,
 )
 from ..settings.pins import parse_pins
-from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings, default_shares
+from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..solution import FIRST, Clock
 from ..solve import Options
 from ..solve.warm_start import Follower
@@ -193,33 +193,6 @@ class SurfaceRequest:
     def shared(self) -> tuple[TriangleMesh, TriangleMesh]:
         """The meshes that fields and patterns are on."""
         return self.given.mesh, self.given.uncut
-
-    @property
-    def unheeded(self) -> Iterator[str]:
-        """Lines that say which settings have no effect, or another than one may expect, beside the others."""
-        settings, rows = self.settings, self.settings.all_constraints
-        exact, taken = settings.exact_attribute, "directions that an attribute gives are taken as they are"
-        strength = f"give it a strength (attribute:{exact}=1)"
-        unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
-        if exact and unheard:
-            yield f"{taken}, without {', '.join(unheard)}: {strength} where rows should turn them"
-        given = [row.label for row in rows if row.what == "phase" and row.where == "attribute"]
-        if given and settings.symmetry == "line" and not exact:
-            yield (
-                f"phases of {', '.join(given)} are meant for the directions that they were written with: "
-                "guide by attribute:synch_direction without a strength"
-            )
-        striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
-        if np.any(self.turn) and striped:
-            yield f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0"
-        if exact and settings.mirror:
-            yield f"{taken}, without the mirror: {strength} where they should be mirrored"
-        if exact and (settings.singularities or 0.0) < default_shares(self.command)["singularities"]:
-            yield f"{taken}, with all their singular points: {strength} where there should be fewer"
-        if exact and settings.pins:
-            yield f"{taken}, without the pins: give it a strength"
-        if np.any(self.turn) and settings.mirror:
-            yield "the angle turns directions the same way on both sides of the mirror: set it to 0"
 
     def solve(self, progress: Callback | None = None) -> "SurfaceResult":
         """The result; Cancelled if the callback answers False, and ContradictionError with vertices of the object."""

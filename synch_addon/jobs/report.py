@@ -78,7 +78,7 @@ class Report:
                 )
         elif self.command != "animate":  # which reads the mesh behind its modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
-        for line in request.unheeded:
+        for line in request.settings.unheeded(request.command, bool(np.any(request.turn))):
             self.warn(line)
         if self.command != "quad_mesh" and refinement is None:
             self.warn_of_users(obj, "the pattern")

@@ -64,13 +64,13 @@ def test_mirrors_and_features_are_found_on_the_mesh():
 
 
 def test_settings_that_have_no_effect_are_told():
-    mesh = square(6)
     rows = (Constraint("seams", "along"),)
-    source = source_of(mesh, directions=np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
-    request = asked("stripes", source, spacing=0.3, guidance="attribute:flow", constraints=rows)
-    (line,) = request.unheeded
+    (line,) = SurfaceSettings(guidance="attribute:flow", constraints=rows, singularities=1.0).unheeded("stripes", False)
     assert "without the constraint seams along" in line
-    assert list(asked("stripes", source_of(mesh), spacing=0.3, constraints=rows).unheeded) == []
+    plain = SurfaceSettings(constraints=(Constraint("seams", "phase"),))
+    assert list(plain.unheeded("stripes", is_turned=False)) == []
+    (line,) = plain.unheeded("stripes", is_turned=True)
+    assert "the angle turns directions away from lines with a stripe (the constraint seams phase)" in line
 
 
 def test_stripes_of_crosses_and_phases_of_quads_are_refused():
