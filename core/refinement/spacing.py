@@ -145,18 +145,9 @@ def finer_copy(
     if command != "directions":
         spacing, spacings, longest = _asked_edges(command, mesh, settings, spacing, factors)
     refuse_far_vertices(mesh)
-    faces, axes = read.polygons, ["XYZ".index(axis) for axis in settings.mirror]
+    axes = ["XYZ".index(axis) for axis in settings.mirror]
     try:
-        return refine(
-            read.vertices,
-            faces.starts,
-            faces.corner_vertices,
-            edges,
-            np.inf if longest is None else longest,
-            read.stretch,
-            faces.triangle_corners,
-            axes,
-        )
+        return refine(read, edges, np.inf if longest is None else longest, axes)
     except TooFineError as error:
         factor = error.factor
     if command != "quad_mesh" or not settings.faces:
