@@ -35,11 +35,12 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.solution import FIRST
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.warm_start import Follower
 from synch_fields.core.tasks.live import ANEW, NEAR, LiveRequest
-from synch_fields.core.tasks.surfaces import SurfaceRequest
+from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
 
 NAMES = ("n = 1", "n = 4", "stripes 40")
 COLUMNS = (
@@ -123,7 +124,7 @@ def live_row(mesh, steps, clock):
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
     given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     spacing = size / problems.STRIPES["stripes 40"]
-    asked = SurfaceRequest("stripes", given, "line", Options(), None, (), 0.0, (), (), spacing, spacing)
+    asked = SurfaceRequest.of("stripes", SurfaceSource(given), SurfaceSettings(spacing=spacing).for_command("stripes"))
     shown, followers = asked.solve(), (Follower(), Follower())
     seconds, changes, counts = [], [], [len(shown.pattern.dislocations)]
     for _ in range(steps):

@@ -219,16 +219,13 @@ class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 
     The shift makes the matrix definite; a small share of the mean energy per mass hardly changes the metric.
+    ``is_definite``: whether the smallest level, to the precision of its factorization, is positive definite.
 
     Parameters
     ----------
     hierarchy : of L
     shift : positive
     depth : the hierarchy's level that is L
-
-    Attributes
-    ----------
-    is_definite : whether the smallest level, to the precision of its factorization, is positive definite
     """
 
     def __init__(self, hierarchy: Hierarchy, shift: float, depth: int = 0) -> None:

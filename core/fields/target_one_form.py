@@ -21,8 +21,6 @@ from .curl_removal import PRECISION, ROUGH, known_turns, remove_holonomy, surfac
 from .directions import DirectionField
 
 AXES = "XYZ"
-# The largest share of edges along which a phase may turn by more than half a period.
-COARSE_SHARE = 0.05
 
 
 @dataclass(frozen=True)

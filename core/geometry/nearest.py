@@ -29,15 +29,12 @@ ROUNDING = 1e-14
 class NearestTriangles:
     """A search structure for nearest points on triangles; pickled as its two arrays.
 
+    Raises MeshError without triangles.
+
     Parameters
     ----------
     vertices : (n, 3)
     triangles : (m, 3) of any shape and size, also without area
-
-    Raises
-    ------
-    MeshError
-        without triangles
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:

@@ -59,7 +59,7 @@ class LiveRequest:
             directions = self.field.turned(self.asked.turn - self.field.turn)
         else:
             directions = self.asked.directed(portion(progress, 0.0, 0.4), self.field, of_field)
-        return self.asked.along(directions, portion(progress, 0.4, 0.6), self, follower=of_pattern)
+        return self.asked.next_along(directions, self.phases, portion(progress, 0.4, 0.6), follower=of_pattern)
 
     def _settled(self, progress: Callback | None) -> PatternResult:
         asked, options = self.asked, self.asked.options

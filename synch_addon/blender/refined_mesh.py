@@ -23,7 +23,6 @@ def refined_object(source, bound, owner, mark):
 
     Parameters
     ----------
-    source : bpy.types.Object in object mode
     bound : BoundSurface of its mesh
     owner : bpy.types.Object whose pattern the mesh is for
     mark : state of what the mesh is made of, for :data:`objects.SURFACE_MARK`

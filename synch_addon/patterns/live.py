@@ -46,7 +46,6 @@ class LiveJob:
 
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
     settings : as of :func:`settings_for`
     shown : :class:`memory.Solved` that it shows
     followers : of the directions and of the pattern
@@ -99,8 +98,12 @@ def from_shown(obj, request):
         return request
     shown = memory.state(obj)
     before = shown.request
-    of_kind = (before.command, before.symmetry) == (request.command, request.symmetry) and request.command in SHOWN
-    if not of_kind or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles):
+    same = (before.command, before.settings.symmetry) == (request.command, request.settings.symmetry)
+    if (
+        request.command not in SHOWN
+        or not same
+        or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles)
+    ):
         return request
     return replace(request, start=(shown.field.angles - shown.field.turn, shown.pattern.phases))
 
@@ -108,9 +111,7 @@ def from_shown(obj, request):
 class _Live:
     """Follows the settings of the active object while it is on.
 
-    Attributes
-    ----------
-    error : why nothing can follow, in one line, or ""
+    ``error``: why nothing can follow, in one line, or "".
     """
 
     def __init__(self):
