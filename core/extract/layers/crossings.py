@@ -112,14 +112,12 @@ def _layers_on_boundary(mesh, near, changes):
 def polygons_in(crossings, tets):
     """Triangles and quads of the levels in regular tetrahedra, normals along the growth.
 
+    Returns (p, 3) and (q, 4) crossings.
+
     Parameters
     ----------
     crossings : LayerCrossings
     tets : (t,) tetrahedra around whose faces the phase comes back
-
-    Returns
-    -------
-    (p, 3) and (q, 4) crossings
     """
     mesh = crossings.mesh
     corners, edges = mesh.tets[tets], mesh.tet_edges[tets]

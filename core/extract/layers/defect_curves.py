@@ -49,14 +49,12 @@ class DefectCurve:
 def defect_curves(mesh, numbers):
     """Join punctured faces to curves, each of which closes or ends on the boundary.
 
+    Returns list of DefectCurve, open ones first, in the order of their first faces.
+
     Parameters
     ----------
     mesh : TetMesh
     numbers : (f,) as :func:`core.interpolate_solid.face_numbers` gives them
-
-    Returns
-    -------
-    list of DefectCurve, open ones first, in the order of their first faces
     """
     # By the right hand: where the phase turns counterclockwise seen from outside, the curve comes out.
     return [_curve(mesh, strand) for strand in join_curves(numbers, mesh.tet_faces, outward_signs(mesh))]

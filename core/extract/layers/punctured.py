@@ -18,15 +18,14 @@ from ...interpolate_solid import outward_signs
 def sheets_in(crossings, numbers, tets):
     """Triangles of the levels in punctured tetrahedra, normals along the growth.
 
+    Returns (k, 3) int: crossings, then crossings + f for the centre of face f, then crossings + faces + t for that of
+    tet t.
+
     Parameters
     ----------
     crossings : LayerCrossings
     numbers : (f,) dislocation numbers of the faces
     tets : (t,) tetrahedra
-
-    Returns
-    -------
-    (k, 3) int: crossings, then crossings + f for the centre of face f, then crossings + faces + t for that of tet t
     """
     mesh, count = crossings.mesh, len(crossings.edges)
     tet_centre = count + len(mesh.faces)
