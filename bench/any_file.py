@@ -7,7 +7,7 @@
 One row a file that Blender's importers read, in a process of its own, of its object with the most faces. "given": its
 vertices; "joined" and "vertices": those that were joined, and those of the surface that the quad mesh was solved on.
 "zero": edges without length; "lost": length of boundaries and sharp edges that no edges follow, in their own share;
-"away": Hausdorff distance in edges. "stripes": dislocations, and "s" the seconds of both. Needs Blender as a module
+"away": Hausdorff distance in edges. "stripes": dislocations, and "s" the CPU seconds of both. Needs Blender as a module
 (bpy).
 """
 
@@ -70,6 +70,8 @@ def _row(path, options):
         return in_child(made_row, path, options.faces, options.limit)
     except BrokenProcessPool:
         return {"crash": f"ended, or not done in {options.limit} s"}
+    except Exception as error:  # whatever it is, it is what the bench looks for
+        return {"crash": f"{type(error).__name__}: {error}"}
 
 
 def made_row(*arguments):
