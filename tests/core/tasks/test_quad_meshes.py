@@ -120,7 +120,7 @@ def test_a_narrow_corner_gets_one_quad(degrees):
     mesh = wedge(degrees)
     result = asked(mesh, rows=(feature_row(mesh, mesh.boundary_edges),), faces=300).solve()
     figures = quality(result.quads)
-    assert figures["angle_deviation"] < 15 and figures["folds"] <= 0.03 * len(result.quads.sizes)
+    assert figures["angle_deviation"] < 7 and figures["folds"] <= 0.03 * len(result.quads.sizes)
     at_corner = np.linalg.norm(result.quads.vertices, axis=1) < 1e-6
     assert np.isin(result.quads.corner_vertices, np.flatnonzero(at_corner)).sum() == 1
 
