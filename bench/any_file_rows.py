@@ -18,8 +18,8 @@ from synch_fields.synch_addon.blender.quiet import quiet_stdout
 
 def file_row(path, faces, limit):
     """The row of a file, as a dict of plain values."""
-    if hasattr(signal, "alarm"):
-        signal.alarm(limit)
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_PROF, limit)
     row = {}
     for make in (_quad_figures, _stripe_figures):
         try:
