@@ -9,6 +9,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.quads import finishing as quad_smoothing
+from synch_fields.core.extract.quads.measure.quality import quality
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
 from synch_fields.core.fields.target_one_form import TargetOneForm
@@ -22,7 +23,7 @@ from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
 
 from ..flat_crosses import plane_crosses
 from ..meshes import bumpy_torus, icosphere, square, torus
-from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, samples
+from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, samples, wedge
 
 
 def asked(mesh, rows=(), directions=None, factors=1.0, **settings):
@@ -110,6 +111,17 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
     monkeypatch.setattr(quad_meshes, "_draw", refuse)
     with pytest.raises(SettingError, match="7 faces are too few for a quad mesh of this surface"):
         asked(icosphere(2), faces=7).solve()
+
+
+@pytest.mark.parametrize("degrees", [20, 35, 45])
+def test_a_narrow_corner_gets_one_quad(degrees):
+    """Lines along both sides, one after the other, would leave no line between the sides."""
+    mesh = wedge(degrees)
+    result = asked(mesh, rows=(feature_row(mesh, mesh.boundary_edges),), faces=300).solve()
+    figures = quality(result.quads)
+    assert figures["angle_deviation"] < 7 and figures["folds"] <= 0.03 * len(result.quads.sizes)
+    at_corner = np.linalg.norm(result.quads.vertices, axis=1) < 1e-6
+    assert np.isin(result.quads.corner_vertices, np.flatnonzero(at_corner)).sum() == 1
 
 
 @pytest.mark.parametrize(("share", "lost"), [(0.03, True), (0.03, False), (0.5, False)])
