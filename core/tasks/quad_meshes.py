@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces.
 TRIES = 7
-# On meshes with more vertices, directions are searched for on a coarse stage: their energies are as low.
-LARGE_MESH = 15_000
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # Share of the work for directions.
@@ -39,7 +37,7 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`."""
     wanted = request
-    if _is_default_search(request) and request.given.mesh.vertex_count > LARGE_MESH:
+    if _is_default_search(request):  # directions are searched for on a coarse stage: their energies are as low
         wanted = replace(request, options=replace(request.options, rounding=COARSE))
     directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
     found = _mesh_field(request, directions, progress)
@@ -80,11 +78,11 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
     """
     faces = request.settings.faces
     if _is_default_search(request) and request.settings.branching == 0:
-        # The coarse stage finds patterns without dislocations.
-        request = replace(request, options=replace(request.options, method=COARSE))
+        # Without curl, quad meshes of first fields are as good as those of whole solves.
+        request = replace(request, options=replace(request.options, method=FIRST))
     if not faces:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_close(_settle(_draw(request, directions, part), part), part), part)
+        return _finish(_close(_draw(request, directions, part), part), part)
     spacing = _SpacingFactor(_first_factor(request, directions), faces)
     drafts: list[_Draft] = []
     found: list[SurfaceResult] = []
@@ -95,7 +93,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
             if abs(count / faces - 1) <= NEAR:
-                found.append(_finish(_close(_settle(drafts.pop(), part), part), part))
+                found.append(_finish(_close(drafts.pop(), part), part))
                 count = _face_count(found[-1])
         except ContradictionError:
             raise
@@ -173,15 +171,6 @@ def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callb
     """The draft of the pattern along a field."""
     result = request.along(directions, portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0))
     return _Draft(request, result, *request.trace(result.pattern))
-
-
-def _settle(draft: _Draft, progress: Callback | None) -> _Draft:
-    """The draft, or that of a whole solve if the coarse stage has left dislocations and it has less energy."""
-    if draft.request.options.method != COARSE or not draft.result.pattern.dislocations:
-        return draft
-    request = replace(draft.request, options=replace(draft.request.options, method="sdp"))
-    whole = _draw(request, draft.result.field, progress)
-    return min(draft, whole, key=lambda draft: draft.result.pattern.energy or 0.0)
 
 
 def _close(draft: _Draft, progress: Callback | None) -> _Draft:
