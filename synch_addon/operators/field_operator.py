@@ -17,6 +17,7 @@ from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import count_text
 from ..panels.row_operators import others_selected
+from ..panels.sidebar import draw_redo
 from ..patterns import job as field_job
 from ..patterns.live import from_shown
 from ..settings.fields import PROPERTY_NAMES, plain
@@ -254,6 +255,9 @@ class FieldOperator(ObjectOperator):
                 operator("INVOKE_DEFAULT")
         except RuntimeError as error:  # its error, as Blender hands it on
             self.report({"WARNING"}, f"{obj.name}: {str(error).removeprefix('Error: ').strip()}")
+
+    def draw(self, context):
+        draw_redo(self.layout, self)
 
     def _take(self, context):
         stored = context.active_object.synch

@@ -12,6 +12,7 @@ from ..blender.attributes import read_all
 from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.lru_cache import LruCache
+from ..jobs.queue import queue
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
@@ -33,12 +34,15 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
     """Evenly spaced layers in the solid that a closed mesh encloses"""
 
     bl_label = "Layers"
+    bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 3
 
     def draw(self, context):
         obj = solid_of(context.active_object)
         if draw_unready(self.layout, obj):
             return
+        self.layout.enabled = not queue.holds(obj)
         if obj != context.active_object:
             self.layout.label(text=translate("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
         row = self.layout.row()

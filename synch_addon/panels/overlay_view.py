@@ -101,9 +101,9 @@ class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
     """What is drawn over the active object"""
 
     bl_label = "Overlay"
-    bl_parent_id = "SYNCH_PT_fields"
+    bl_parent_id = "SYNCH_PT_result"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 5  # below the solver
+    bl_order = 2
 
     def draw_header(self, context):
         self.layout.prop(context.scene.synch_overlay, "show", text="")

@@ -62,14 +62,14 @@ class SYNCH_PT_strokes(SettingsPanel, bpy.types.Panel):
     """Lines drawn on the surface that stripes follow"""
 
     bl_label = "Guide Strokes"
-    bl_order = 2  # below the directions
+    bl_order = 0  # above the guides
     in_simple = True
 
     @classmethod
     def poll(cls, context):
         return super().poll(context) and context.mode == "OBJECT" and _is_wanted(context.active_object)
 
-    def draw(self, context):
+    def draw_body(self, context):
         layout, drawing = self.layout, is_drawing(context)
         text = "Done Drawing" if drawing else "Draw Strokes"
         button = layout.operator("wm.tool_set_by_id", text=text, icon="GREASEPENCIL", depress=drawing)

@@ -18,8 +18,9 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
     """Vortex filaments and tubes of a flow in space"""
 
     bl_label = "Vortices"
+    bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 10
+    bl_order = 4
 
     def draw(self, context):
         settings = context.scene.synch_vortices
