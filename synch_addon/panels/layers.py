@@ -9,6 +9,7 @@ import numpy as np
 from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
+from ..blender.meshes import refusal
 from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.lru_cache import LruCache
@@ -18,10 +19,10 @@ from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
+    DetailsPanel,
     SidebarPanel,
     draw_automatic,
     draw_settings,
-    draw_solver,
     draw_unready,
     property_column,
 )
@@ -52,6 +53,20 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
         draw_layers(self.layout, obj.synch_layering)
 
 
+class SYNCH_PT_layer_solver(DetailsPanel, bpy.types.Panel):
+    """How the fields of layers are optimized"""
+
+    bl_parent_id = "SYNCH_PT_layers"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and refusal(solid_of(context.active_object)) is None
+
+    @staticmethod
+    def settings(context):
+        return solid_of(context.active_object).synch_layering
+
+
 def draw_layers(layout, stored):
     """Settings of an object's layers."""
     column = property_column(layout)
@@ -71,7 +86,6 @@ def draw_layers(layout, stored):
     own = {name: partial(draw_automatic, settings=stored, name=name, automatic=LENGTHS[name]) for name in LENGTHS}
     own["spacing_map"] = partial(draw_map, settings=stored, target="LAYERS")
     draw_settings(property_column(layout), stored, LayerSettings, "layers", own)
-    draw_solver(layout, stored)
 
 
 def _draw_estimate(layout, obj):
@@ -134,4 +148,4 @@ class SYNCH_OT_layer_group_remove(_GroupOperator, RemoveRow, bpy.types.Operator)
         return obj.synch_layering.groups
 
 
-register, unregister = register_all((SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers))
+register, unregister = register_all((SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers, SYNCH_PT_layer_solver))

@@ -19,7 +19,7 @@ from ..patterns.refine import draw_told, draw_warning
 from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, source_of
 from ..settings.preferences import is_simple, preferences
-from .guides import draw_guidance
+from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
@@ -83,6 +83,8 @@ def draw_share(column, settings, name):
 
 def draw_guide(column, settings, obj):
     """What lines follow, beyond what stands on top."""
+    if obj.synch_simple.direction != "STROKES":
+        draw_strokes(column)
     if obj.synch_simple.direction == "OTHER":
         draw_guidance(column, settings)
 
@@ -98,7 +100,10 @@ def draw_guide(column, settings, obj):
     own["angle_attribute"] = lambda column: draw_map(column, settings, "ANGLE")
     own["singularities"] = lambda column: draw_share(column, settings, "singularities")
     draw_settings(column, settings, SurfaceSettings, "directions", own)
-    row = column.row(align=True, heading="Pin Faces")
+    split = column.split(factor=0.4)
+    label, row = split.row(), split.row(align=True)
+    label.alignment = "RIGHT"
+    label.label(text="Pin Faces")
     for turns, text in ((1, "+"), (-1, "−"), (0, "0")):
         row.operator("synch.pin", text=text, translate=False).turns = turns
     if settings.pins:
@@ -140,6 +145,8 @@ def draw_main(layout, obj):
         column.prop(simple, "direction")
         if simple.direction == "AXIS":
             column.row().prop(settings.guide, "axis", expand=True)
+        if simple.direction == "STROKES":
+            draw_strokes(column)
         axes = {*mirror_axes(obj), *(axis for axis in range(3) if settings.mirror[axis])}
         if axes:
             draw_mirror(column, settings, sorted(axes))
@@ -152,7 +159,7 @@ def draw_spacing(column, simple, settings):
     automatic."""
     row = column.row(align=True)
     row.prop(simple, "lines")
-    row.prop(settings, "automatic_spacing", text="", icon="AUTO")
+    row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
     if settings.automatic_spacing:
         draw_told(column, simple.kind, source_of(simple.id_data) or simple.id_data)
     else:
@@ -321,15 +328,26 @@ class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
             draw_settings(column, settings, SurfaceSettings, group, own)
 
 
-class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
-    """How the fields are optimized"""
+class DetailsPanel(SidebarPanel):
+    """Mixed into panels of the solver's settings, which ``settings`` finds; of an object that can carry nothing, they
+    hide with the panel around them."""
 
     bl_label = "Details"
-    bl_parent_id = "SYNCH_PT_pattern"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 9
 
-    def draw_body(self, context):
-        draw_solver(self.layout, context.active_object.synch)
+    def draw(self, context):
+        draw_solver(self.layout, self.settings(context))
+
+
+class SYNCH_PT_solver(DetailsPanel, bpy.types.Panel):
+    """How the fields are optimized"""
+
+    bl_parent_id = "SYNCH_PT_pattern"
+
+    @staticmethod
+    def settings(context):
+        return context.active_object.synch
 
 
 class SYNCH_PT_make(SidebarPanel, bpy.types.Panel):

@@ -13,6 +13,7 @@ from mathutils import Vector
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
+from synch_fields.synch_addon.patterns.refine import expected_spacing
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
@@ -47,8 +48,6 @@ def test_all_but_a_few_panels_hide(chosen):
     api.stripes(obj, spacing=0.5)
     few = {"fields", "result", "material_presets"}
     assert panels() == few if chosen == "SIMPLE" else panels() > few | {"guide", "pattern", "make", "solver", "figures", "layers", "overlay"}
-    obj.synch_simple.direction = "STROKES"
-    assert "strokes" in panels()
 
 
 @pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
@@ -79,8 +78,8 @@ def test_a_spacing_that_is_no_longer_automatic_begins_at_the_one_that_was_used()
 def test_lines_across_and_spacing_say_the_same():
     obj = sphere()
     simple, stored = obj.synch_simple, obj.synch
-    used = api.stripes(obj)["settings"]["spacing"]
-    assert simple.lines == pytest.approx(max(obj.dimensions) / used)
+    expected = expected_spacing("stripes", obj)
+    assert stored.automatic_spacing and simple.lines == pytest.approx(max(obj.dimensions) / expected)
     simple.lines = 10
     assert not stored.automatic_spacing and stored.spacing == pytest.approx(max(obj.dimensions) / 10)
     simple.kind = "quads"
