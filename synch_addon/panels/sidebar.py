@@ -303,6 +303,7 @@ class SYNCH_PT_guide(SettingsPanel, bpy.types.Panel):
     """What lines run along"""
 
     bl_label = "Guide"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 1
 
     def draw_body(self, context):

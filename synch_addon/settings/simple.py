@@ -73,7 +73,7 @@ def _set_lines(simple, count):
 class SynchSimple(bpy.types.PropertyGroup):
     """What the simple panel makes of an object."""
 
-    kind: EnumProperty(name="Make", description="What the button makes", items=_KIND_ITEMS)
+    kind: EnumProperty(name="Kind", description="What the button makes", items=_KIND_ITEMS)
     direction: EnumProperty(
         name="Direction",
         description="What lines follow",

@@ -31,7 +31,7 @@ def tall(tmp_path_factory):
         blender.run(SPEAK)
         blender.run(_OPEN)
         blender.open_panel()
-        add_ball(blender, 4)
+        add_ball(blender, 3)
         yield blender
 
 
@@ -58,6 +58,7 @@ def test_all_panels(tall, keep, kind):
 def test_nothing_moves_while_a_job_runs(tall, keep):
     tall.run("active().synch_simple.kind = 'stripes'")
     tall.run(PANEL.format("ADVANCED"))
+    tall.run("active().synch_simple.lines = 8")
     names = ("Direction", "Singularities", "Pattern")
     before = [tall.wait_for(name)[1] for name in names]
     tall.click("Stripes")

@@ -19,10 +19,10 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     simple.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.3")
     for text in ("Simple", "Advanced", "Stripes", "Direction", "Branching"):
         simple.wait_for(text)
-    for text in ("Solver", "Singularities", "Quads"):
+    for text in ("Guide", "Pattern", "Details", "Make"):
         assert not simple.shows(text), text
     simple.click("Stripes")
-    simple.wait_for("Result")
+    simple.wait_for("Variation")
     gallery = "part('panels.thumbnails').galleries.of(active())"
     count = simple.value(f"{gallery}.count")
     simple.until(f"len({gallery}.made) == {count}")
