@@ -286,11 +286,11 @@ class FieldOperator(ObjectOperator):
             return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
         counts = ", ".join(count_text(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
         if report["energy"] is None:
-            return counts
+            return f"{report['object']}: {counts}"
         proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
         cost = report.get("pins_cost")
         pins = "" if cost is None else f"; with these pins directions bend {cost:+.1%}"
-        return f"energy {report['energy']:.4g}{proof}; {counts}{pins}"
+        return f"{report['object']}: energy {report['energy']:.4g}{proof}; {counts}{pins}"
 
 
 class SYNCH_OT_cancel(bpy.types.Operator):

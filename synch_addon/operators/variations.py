@@ -88,7 +88,7 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
         number = nearest_variation(best, [random.randrange(*_DRAWN) for _ in range(_TRIES)])
         report = api.vary(obj, number)
         more = report["energy"] / best.solution.energy - 1 if best.solution.energy > 0 else 0.0
-        return f"{more:+.1%} energy, against the best; {_find_variations(report)}"
+        return f"{_find_variations(report)}; {more:+.1%} energy, against the best"
 
 
 class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operator):
@@ -125,7 +125,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
 
 
 def _find_variations(report):
-    return f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
+    return f"{report['object']}: energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
 
 
 CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)

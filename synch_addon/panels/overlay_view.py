@@ -22,6 +22,7 @@ from .overlay import (
     defect_points,
     direction_lines,
     direction_marks,
+    layer_faces,
     loop_faces,
     pin_points,
     spacing_errors,
@@ -37,6 +38,7 @@ _SHADERS = {"TRIS": "FLAT_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR", "POINTS": "
 
 # In the order of drawing.
 _PARTS = {
+    "LAYERS": layer_faces,
     "SPACING": spacing_errors,
     "LOOP": loop_faces,
     "MARKS": direction_marks,

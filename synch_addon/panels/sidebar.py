@@ -355,7 +355,6 @@ class SYNCH_PT_make(SidebarPanel, bpy.types.Panel):
     """What is made of patterns, and of solids and flows"""
 
     bl_label = "Make"
-    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 4
 
     def draw(self, context):

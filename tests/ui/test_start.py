@@ -28,8 +28,6 @@ def test_the_first_page_from_suzanne_to_stripes_a_texture_and_quads(as_delivered
     assert min(dark, light) > 300, (dark, light)
 
     blender.click("Advanced")
-    blender.scroll_to("Make")
-    blender.click("Make")
     blender.scroll_to("Bake")
     blender.click("Bake", last=True)
     blender.scroll_to("Bake", count=2)

@@ -264,8 +264,6 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     add_ball(panel, 4)
     found = solved(panel)
     panel.run("bake = bpy.context.scene.synch_bake; bake.size = 128; bake.samples = 1; bake.unwrap = True")
-    panel.scroll_to("Make")
-    panel.click("Make", last=True)
     panel.scroll_to("Bake")
     panel.click("Bake")
     panel.scroll_to("Bake", count=2)  # the box and the button at its end
