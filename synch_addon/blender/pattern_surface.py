@@ -3,9 +3,13 @@
 
 from ...core.errors import SynchError
 from .attributes import read
-from .modifiers import is_surface
+from .modifiers import changes_faces, is_ours, is_surface
 from .objects import SURFACE_MARK
 from .schema import SOURCE_FACE
+
+
+# Modifiers that put what they add behind the vertices that are there.
+_KEEP_FIRST = {"ARRAY", "MIRROR", "MULTIRES", "SOLIDIFY", "SUBSURF"}
 
 
 def surface_of(obj):
@@ -20,6 +24,13 @@ def surface_of(obj):
 def surface_modifier(obj):
     """The modifier of an object that shows a surface of its pattern's own, or None."""
     return next((modifier for modifier in obj.modifiers if is_surface(modifier) and shown_by(modifier)), None)
+
+
+def shows_vertices_first(obj):
+    """Whether the first vertices that an object's modifiers show are those of the mesh that carries its pattern."""
+    bound, modifiers = surface_modifier(obj), list(obj.modifiers)
+    later = modifiers if bound is None else modifiers[modifiers.index(bound) + 1 :]
+    return not any(changes_faces(one) and one.type not in _KEEP_FIRST and not is_ours(one) for one in later)
 
 
 def faces_of_object(obj, faces):
