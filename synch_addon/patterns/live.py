@@ -98,12 +98,9 @@ def from_shown(obj, request):
         return request
     shown = memory.state(obj)
     before = shown.request
-    same = (before.command, before.settings.symmetry) == (request.command, request.settings.symmetry)
-    if (
-        request.command not in SHOWN
-        or not same
-        or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles)
-    ):
+    triangles, asked = before.given.mesh.triangles, request.given.mesh.triangles
+    of_kind = (before.command, before.settings.symmetry) == (request.command, request.settings.symmetry)
+    if request.command not in SHOWN or not of_kind or not np.array_equal(triangles, asked):
         return request
     return replace(request, start=(shown.field.angles - shown.field.turn, shown.pattern.phases))
 
