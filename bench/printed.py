@@ -38,6 +38,7 @@ from synch_fields.core.geometry.filling.lengths import Lengths
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.core.printing.gcode import gcode
 from synch_fields.core.printing.machine import read_machine
 from synch_fields.core.solve import Options
@@ -46,6 +47,8 @@ from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 
 # Places in the solid that are looked at, and what samples of moves are apart, in beads' widths.
 PLACES, APART = 20_000, 0.2
+# Edges of triangles without area that are flipped.
+FLIPS = 30
 COLUMNS = (
     Column("layer, mm", "height", ".2f"),
     Column("bead, mm", "step", ".2f"),
@@ -81,12 +84,22 @@ def boundary(solid):
 
 
 def read_stl(path):
-    """Vertices and triangles of a binary .stl file, without triangles that have no area."""
+    """Vertices and triangles of a binary .stl file; edges of triangles without area are flipped."""
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
     corners = np.frombuffer(Path(path).read_bytes(), record, offset=84)["corners"].astype(float)
-    vertices, triangles = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    triangles = triangles.reshape(-1, 3)
-    return vertices, triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)].tolist(), {}
+    vertices, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    mesh = TriangleMesh(vertices, numbers.reshape(-1, 3))
+    triangles = mesh.triangles[(mesh.triangles != np.roll(mesh.triangles, 1, axis=1)).all(axis=1)]
+    for _ in range(FLIPS):
+        mesh = TriangleMesh(vertices, triangles.copy())
+        lengths = np.linalg.norm(vertices[np.roll(triangles, -1, axis=1)] - vertices[triangles], axis=2)
+        for flat in np.flatnonzero(mesh.areas < 1e-10 * lengths.max(axis=1) ** 2)[:1]:
+            side = int(lengths[flat].argmax())
+            other, place = divmod(int(mesh.twins[3 * flat + side]), 3)
+            a, b, c = np.roll(triangles[flat], -side)
+            d = triangles[other][(place + 2) % 3]
+            triangles[flat], triangles[other] = (b, c, d), (c, a, d)
+    return vertices, triangles.tolist(), {}
 
 
 def parts(meshes, benchy):
@@ -111,7 +124,8 @@ def solved(name, make, length, height):
     solid = None
     if name == "ring":
         shape = ring()
-        solid = replace(shape.mesh, vertices=shape.mesh.vertices * length / np.ptp(shape.mesh.vertices, axis=0).max())
+        places = shape.mesh.vertices
+        solid = TetMesh(places * length / np.ptp(places, axis=0).max(), shape.mesh.tets)
         vertices, triangles = boundary(solid)
         used = np.unique(solid.boundary_triangles)
         groups = {"low": shape.low[used], "high": shape.high[used]}
