@@ -36,6 +36,32 @@ _KEEPS, _CANCELS = "Esc over the 3D view: keep what is shown", "Esc over the 3D 
 _MOMENT = 0.01
 
 
+class Click:
+    """The jobs that one click has begun, of which the last to end makes the step that undo takes back."""
+
+    def __init__(self):
+        self._left, self._wrote = 0, False
+
+    def begin(self):
+        """One more."""
+        self._left += 1
+
+    def end(self, result, label):
+        """What an operator returns to Blender whose job has ended with a result."""
+        self._left -= 1
+        self._wrote |= result == {"FINISHED"}
+        if self._left:
+            return {"CANCELLED"}
+        if self._wrote and result != {"FINISHED"}:
+            push_undo(label)
+        return result
+
+
+def push_undo(message):
+    """A step for undo, which is made where an operator is not to make it."""
+    bpy.ops.ed.undo_push(message=message)
+
+
 class BackgroundOperator:
     """Mixed into an operator that solves: blocking from a script, in the row of jobs from the window.
 
@@ -44,7 +70,7 @@ class BackgroundOperator:
     """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
-    _work = None
+    _work = _click = None
 
     def invoke(self, context, event):
         """From the window: take the panel's settings and solve in the background."""
@@ -70,7 +96,7 @@ class BackgroundOperator:
             queue.advance()
             self._look_after(work)
         if work.is_over and (work.error is not None or not self._postponed(context)):
-            return self._reporting(self._finish, context)
+            return self._click.end(self._reporting(self._finish, context), self.bl_label)
         if event.type == "TIMER" and (work.holds_window or time.monotonic() < start + _MOMENT):
             self._tell(context, work)
         if not (work.holds_window and work is queue.running):
@@ -112,6 +138,8 @@ class BackgroundOperator:
 
     def _start(self, context):
         self._work = queue.add(self._job(context), self.bl_label)
+        self._click = self._click or Click()
+        self._click.begin()
         self._taken = _Taken(context, self._work)
         self._work.let_go = self._taken.give_back
         context.window_manager.modal_handler_add(self)
@@ -243,9 +271,13 @@ class FieldOperator(ObjectOperator):
         """From the window: the active object first, and then the other selected ones, each with its own settings."""
         others = others_selected(context)
         started = super().invoke(context, event)
-        for obj in others if started != {"CANCELLED"} else ():
-            with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
-                self._begin_another(obj)
+        FieldOperator._click = self._click  # that of the others
+        try:
+            for obj in others if started != {"CANCELLED"} else ():
+                with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
+                    self._begin_another(obj)
+        finally:
+            FieldOperator._click = None
         return started
 
     def _begin_another(self, obj):

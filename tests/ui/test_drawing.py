@@ -33,7 +33,7 @@ def ball(panel):
     """A ball in the middle of the view, and the panel."""
     add_ball(panel, 5)
     panel.run(STROKES)
-    panel.run("active().synch_simple.direction = 'STROKES'; bpy.ops.ed.undo_push(message='ball')")
+    panel.run("active().synch_simple.direction = 'STROKES'; area().tag_redraw(); bpy.ops.ed.undo_push(message='ball')")
     return panel
 
 

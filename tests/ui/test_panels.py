@@ -32,6 +32,7 @@ def tall(tmp_path_factory):
         blender.run(_OPEN)
         blender.open_panel()
         add_ball(blender, 3)
+        blender.run("area().spaces[0].overlay.show_overlays = False; view().view_location = 9, 9, 0")
         yield blender
 
 
@@ -41,8 +42,8 @@ def panels(blender):
     blender.run("area().tag_redraw()")
     time.sleep(1)
     picture = blender.picture("UI")
-    rows = np.flatnonzero(picture[:, :-40].std(axis=1).max(axis=1) > 6)
-    return picture[: rows[-1] + 12]
+    rows = np.flatnonzero(np.isin(picture[:, 12, 0], (54, 61)))  # the greys of panels
+    return picture[: rows[-1] + 8]
 
 
 def in_columns(pictures, height=1010):
@@ -50,7 +51,7 @@ def in_columns(pictures, height=1010):
     columns = []
     for picture in pictures:
         body = picture[:, :265]
-        quiet = np.flatnonzero((body[:, 30:240].std(axis=1) < 1.5).all(axis=1))
+        quiet = np.flatnonzero((body[:, 14:250].std(axis=1) < 1.5).all(axis=1))
         start = 0
         while start < len(body):
             last = quiet[(quiet > start) & (quiet < start + height)].max()
