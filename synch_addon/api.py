@@ -59,18 +59,13 @@ MOST_VARIATIONS = 2**31 - 1
 def directions(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[SurfaceKeywords]) -> Json:
     """Solve a direction field on a mesh object and write it as attributes and empties.
 
+    Returns dict, the report. Raises SynchError, with nothing written.
+
     Parameters
     ----------
     obj : bpy.types.Object
     callback : called with a stage and a fraction of the work; False as its answer cancels
     settings : see :class:`SurfaceSettings`; spacing does not count
-
-    Returns the report.
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return run("directions", obj, from_names(SurfaceSettings, settings), callback)
 
@@ -102,7 +97,8 @@ def quad_mesh(obj: bpy.types.Object, callback: Callback | None = None, **setting
 
 def run(command: str, obj: bpy.types.Object, settings: SurfaceSettings, callback: Callback | None = None) -> Json:
     """Run a command by its name, with ready :class:`SurfaceSettings`."""
-    return job.run(FieldJob(command, obj, settings), callback)
+    asked = FieldJob(command, obj, settings)
+    return job.run(asked, callback)
 
 
 def layers(
@@ -113,13 +109,14 @@ def layers(
 ) -> Json:
     """Fill a closed mesh object and solve evenly spaced layers in it, made as new objects; the given one is hidden.
 
+    Returns dict, the report: `layers_object`, `curves_object` and `surface_object` are names. Raises SynchError,
+    with nothing written.
+
     Parameters
     ----------
     callback : as for :func:`directions`
     solid : TetMesh in the object's space whose boundary is its surface, in place of the one that would fill it
     settings : see :class:`LayerSettings`
-
-    Returns the report: `layers_object`, `curves_object` and `surface_object` are names.
     """
     return job.run(layer_job(obj, from_names(LayerSettings, settings), solid), callback)
 
@@ -132,12 +129,12 @@ def layer_job(obj: bpy.types.Object, settings: LayerSettings, solid: TetMesh | N
 def vary(obj: bpy.types.Object, number: int) -> Json:
     """Show another near-optimal configuration of the last solve of an object, without solving again.
 
+    Returns dict, the report; its energy is that of what is shown. Raises SynchError, with nothing written.
+
     Parameters
     ----------
     obj : that was solved since the file was opened
     number : 0 for the solution, then the other local optima that were found, then seeds of further searches
-
-    Returns the report; its energy is that of what is shown.
     """
     if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
         raise SettingError(f"the variation is {quote_value(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
@@ -191,7 +188,7 @@ def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothin
         solved = memory.recall(obj)
         if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
-        request = replace(solved.request, smoothing=smoothing)
+        request = solved.request.smoothed(smoothing)
         found = SurfaceResult(solved.field, solved.pattern, **request.finish(*request.trace(solved.pattern)))
         report = solved.report.again("quad_mesh")
         report.take(found)
@@ -201,12 +198,12 @@ def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothin
 def isolines(obj: bpy.types.Object, **settings: Unpack[LineKeywords]) -> Json:
     """Make a curve object of the lines that an object shows: middles or edges of stripes, grid lines of quads.
 
+    Returns dict, the report: its ``object`` is the curve's name. Raises SynchError, with nothing made.
+
     Parameters
     ----------
     obj : with stripes or quads
     settings : see :class:`LineSettings`
-
-    Returns the report: its ``object`` is the curve's name.
     """
     meshes.refuse(obj)
     chosen = from_names(LineSettings, settings)
@@ -225,6 +222,8 @@ def relief(
 ) -> Json:
     """Raise an object's surface by its pattern, with a geometry nodes modifier that reads the attributes alone.
 
+    Returns dict, the report. Raises SynchError, with nothing made.
+
     Parameters
     ----------
     obj : with stripes or quads
@@ -234,8 +233,6 @@ def relief(
         "weave" or "dots"; or its number
     level : how often the mesh is subdivided; None for as often as its edges need
     smooth : round the surface while it is subdivided
-
-    Returns the report.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -247,11 +244,11 @@ def carry(obj: bpy.types.Object) -> Json:
     """Carry an object's pattern through its modifiers, with one of ours after them: what vertices have of it is made
     anew on the mesh that they leave.
 
+    Returns dict, the report: the modifier's name. Raises SynchError, with nothing made.
+
     Parameters
     ----------
-    obj : with stripes or quads
-
-    Returns the report: the modifier's name.
+    obj : bpy.types.Object with stripes or quads
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -268,14 +265,15 @@ def preset(
 ) -> Json:
     """Show one of the :data:`presets.PRESETS` on an object: on its pattern, or on one that is solved for it.
 
+    Returns dict, the report: the material's name, and in ``solve`` the report of the solve or None. Raises SynchError,
+    with nothing written.
+
     Parameters
     ----------
     name : "zebra", "corduroy", "wood-cut", "knit", "cane" or "fingerprint"
     callback : as for :func:`directions`
     solve : solve the pattern that the preset is made for, also where the object has one that can show it
     settings : of the solve, in place of the preset's; see :class:`SurfaceSettings`
-
-    Returns the report: the material's name, and in ``solve`` the report of the solve or None.
     """
     meshes.refuse(obj)
     needed = presets.solve_for(obj, name, convert_value("solve", bool, solve) or bool(settings))
@@ -293,13 +291,14 @@ def preset(
 def bake(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[BakeKeywords]) -> Json:
     """Bake what an object's stripes or quads show into image files, or images packed into the .blend.
 
+    Returns dict, the report: files or images, their sizes and seconds by the names of their maps. Raises SynchError,
+    with nothing written.
+
     Parameters
     ----------
     obj : with stripes or quads; it may be hidden
     callback : asked between two maps
     settings : see :class:`BakeSettings`
-
-    Returns the report: files or images, their sizes and seconds by the names of their maps.
     """
     return run_bake(obj, from_names(BakeSettings, settings), callback)
 
@@ -328,7 +327,7 @@ def _show(
 def import_field(obj: bpy.types.Object, path: str | Path) -> str:
     """Write the directions of a .rawfield or .rosy file to a mesh object's ``synch_direction``.
 
-    Returns "vector", "line" or "cross", what the file's directions are.
+    Returns "vector", "line" or "cross", what the file's directions are. Raises SynchError, with nothing written.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -337,6 +336,8 @@ def import_field(obj: bpy.types.Object, path: str | Path) -> str:
 
 def export_field(obj: bpy.types.Object, path: str | Path, symmetry: str = "line") -> None:
     """Write a mesh object's ``synch_direction`` as a .rawfield or .rosy file, one set of directions a triangle.
+
+    Raises SynchError, with nothing written.
 
     Parameters
     ----------
@@ -354,10 +355,7 @@ def export_field(obj: bpy.types.Object, path: str | Path, symmetry: str = "line"
 def select(obj: bpy.types.Object, vertices: Sequence[int]) -> None:
     """Select vertices and nothing else of an object's mesh, in object or edit mode.
 
-    Raises
-    ------
-    SettingError
-        for numbers that are not vertices
+    Raises SettingError for what is no vertex.
     """
     meshes.refuse(obj)
     chosen = check_vertices(vertices, len(obj.data.vertices))

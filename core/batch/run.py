@@ -45,7 +45,7 @@ def plan(
     versions: object,
     own: Iterable[DeclaredFile] = (),
 ) -> list[Planned]:
-    """The rows of a batch.
+    """The rows of a batch. Raises SettingError if a row writes a file that another row, or the batch, reads or writes.
 
     Parameters
     ----------
@@ -53,11 +53,6 @@ def plan(
     understood : parses a command line, or raises SettingError
     versions : of everything that a result depends on
     own : files of the batch itself
-
-    Raises
-    ------
-    SettingError
-        if a row writes a file that another row, or the batch, reads or writes
     """
     keys, owners = Keys(versions), FileOwners()
     rows: list[Planned] = []

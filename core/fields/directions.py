@@ -25,7 +25,7 @@ from ..solve.warm_start import Follower
 from .animation import carry_angles, nearest_representatives, next_solution
 from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
-from .curl_removal import ROUGH, CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
+from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
 from .evenness import quantiles
 from .guidance.guides import Guide, blend_guides
 from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
@@ -223,7 +223,9 @@ def _curl_removing_turns(
     """(e,) radians, approximate turns that remove the curvature, of which the connection has a share."""
     known = known_turns(connection, fixed, merged)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
-    return remove_holonomy(circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, ROUGH).correction
+    return remove_holonomy(
+        circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, rough=True
+    ).correction
 
 
 def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, known: np.ndarray | None) -> np.ndarray:

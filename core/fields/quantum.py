@@ -41,6 +41,9 @@ def find_quantum(
     """The largest circulation of a filament, to three digits, with which the filaments carry a share of the vorticity;
     if there is none, the least that the grid can hold. SettingError for a flow without vorticity.
 
+    Returns float, of three digits; the least that the grid can hold where no circulation gives as much. Raises
+    SettingError for a flow without vorticity.
+
     Parameters
     ----------
     integrals : (e,) of the velocity along the edges

@@ -17,12 +17,10 @@ from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases
 from ..matchings import after_turns
 from ..problem import Merged, Targets
-from .curl_removal import PRECISION, ROUGH, known_turns, remove_holonomy, surface_circulation
+from .curl_removal import known_turns, remove_holonomy, surface_circulation
 from .directions import DirectionField
 
 AXES = "XYZ"
-# The largest share of edges along which a phase may turn by more than half a period.
-COARSE_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -145,25 +143,25 @@ class TargetOneForm:
         """
         if share == 0:
             return self
-        return replace(self, correction=share * self._curl_removal(fixed, merged, PRECISION))
+        return replace(self, correction=share * self._curl_removal(fixed, merged))
 
     def curl_removing_turns(self, fixed: Targets, merged: Merged) -> np.ndarray:
         """(k e,) radians, approximate turns of the connection's edges that remove the curl, for candidates."""
-        return self.connection_turns(self._curl_removal(fixed, merged, ROUGH))
+        return self.connection_turns(self._curl_removal(fixed, merged, rough=True))
 
     def connection_turns(self, changes: np.ndarray) -> np.ndarray:
         """(k e,) radians by which additional (e, k) changes turn the connection's edges."""
         turns = changes.ravel()
         return np.where(self._flips, -turns, turns)
 
-    def _curl_removal(self, fixed: Targets, merged: Merged, precision: float) -> np.ndarray:
+    def _curl_removal(self, fixed: Targets, merged: Merged, rough: bool = False) -> np.ndarray:
         """(e, k) correction of the changes that removes the curl."""
         count = self.phase_count
         circulation, _ = surface_circulation(self.mesh, self.matchings, count)
         known = known_turns(self.connection, fixed, merged)
         known = np.where(self._flips, -known, known)
         weights = np.repeat(self.mesh.weights, count)
-        found = remove_holonomy(circulation, circulation.matrix @ self.changes.ravel(), weights, known, precision)
+        found = remove_holonomy(circulation, circulation.matrix @ self.changes.ravel(), weights, known, rough)
         return found.correction.reshape(-1, count)
 
     @property

@@ -9,9 +9,11 @@ otherwise. Flows on other meshes of VTK are sampled on a grid, whose nodes outsi
 import importlib
 import math
 import re
+import warnings
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -192,7 +194,8 @@ def _read_arrays(path: Path, attribute: str) -> GridFlow:
             is_classic = head.read(3) == b"CDF"
         if is_classic:
             check_promise(path, path.stat().st_size)  # all of it is read
-            file = stack.enter_context(netcdf_file(path, mmap=False, maskandscale=True))
+            # In memory, where SciPy reads no more than there is, whatever sizes the file promises.
+            file = stack.enter_context(netcdf_file(BytesIO(path.read_bytes()), maskandscale=True))
             arrays = dict(file.variables)
         else:
             h5py = _library("h5py", "NetCDF of version 4 and HDF5 are")
@@ -295,12 +298,18 @@ def _read_mesh(path: Path, attribute: str) -> GridFlow | SampledFlow:
 
 
 def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | SampledFlow:
-    mesh = pyvista.read(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", UserWarning)  # pyvista's form of what VTK reports
+        try:
+            mesh = pyvista.read(path)
+        except UserWarning:
+            raise SettingError("VTK reports an error in it") from None
     if not hasattr(mesh, "point_data"):
         raise SettingError("it has several blocks: save one of them")
     if not len(mesh.point_data):
         mesh = mesh.cell_data_to_point_data()
-    chosen, vectors, is_curl, warnings = _vectors(path, mesh.point_data, attribute)
+    chosen, vectors, is_curl, lines = _vectors(path, mesh.point_data, attribute)
     if isinstance(mesh, pyvista.ImageData | pyvista.RectilinearGrid):
         axes = [np.asarray(axis, float) for axis in (mesh.x, mesh.y, mesh.z)]
         if isinstance(mesh, pyvista.ImageData):
@@ -311,7 +320,7 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
             for n in mesh.point_data.keys()
             if n.lower() in (*_SOLIDS, *_MASKS)
         }
-        return _resample_evenly(field, axes, extra, is_curl, warnings)
+        return _resample_evenly(field, axes, extra, is_curl, lines)
 
     def sample(places: np.ndarray) -> np.ndarray:
         found = pyvista.PolyData(places).sample(mesh)
@@ -320,7 +329,7 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
         return values
 
     low, high = np.array(mesh.bounds).reshape(3, 2).T
-    return SampledFlow(low, high, sample, is_curl, warnings)
+    return SampledFlow(low, high, sample, is_curl, lines)
 
 
 def _by_meshio(path: Path, attribute: str) -> SampledFlow:

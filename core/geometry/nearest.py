@@ -29,15 +29,12 @@ ROUNDING = 1e-14
 class NearestTriangles:
     """A search structure for nearest points on triangles; pickled as its two arrays.
 
+    Raises MeshError without triangles.
+
     Parameters
     ----------
     vertices : (n, 3)
     triangles : (m, 3) of any shape and size, also without area
-
-    Raises
-    ------
-    MeshError
-        without triangles
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -77,6 +74,39 @@ class NearestTriangles:
             else:
                 self._improve(points, at, self._order[nodes], found, places, squares)
         return places, found
+
+    def nearest_facing(self, points: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Find as :meth:`nearest` on the sheet of a thin surface whose triangles look along (k, 3) normals."""
+        places, found = self.nearest(points)
+        behind = np.flatnonzero(np.einsum("px,px->p", self._normals[found], normals) < 0)
+        axes = np.abs(normals[behind]).argmax(axis=1)
+        sides = 2 * axes + (np.take_along_axis(normals[behind], axes[:, None], 1)[:, 0] < 0)
+        for side in np.unique(sides):
+            which = behind[sides == side]
+            triangles, sheet = self._facing(side)
+            if sheet is not None:
+                places[which], rows = sheet.nearest(points[which])
+                found[which] = triangles[rows]
+        return places, found
+
+    def _facing(self, side: int) -> tuple[np.ndarray, "NearestTriangles | None"]:
+        """The triangles that look along an axis, 2 k, or against it, 2 k + 1, and their search structure."""
+        if side not in self._sheets:
+            sign = 1 - 2 * (side % 2)
+            triangles = np.flatnonzero(sign * self._normals[:, side // 2] > 0)
+            sheet = NearestTriangles(self.vertices, self.triangles[triangles]) if len(triangles) else None
+            self._sheets[side] = triangles, sheet
+        return self._sheets[side]
+
+    @cached_property
+    def _sheets(self) -> dict[int, tuple[np.ndarray, "NearestTriangles | None"]]:
+        return {}
+
+    @cached_property
+    def _normals(self) -> np.ndarray:
+        """(m, 3) vectors along the normals of triangles."""
+        a, b, c = self._corners
+        return np.cross(b - a, c - a)
 
     def _improve(
         self,

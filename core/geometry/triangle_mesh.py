@@ -47,15 +47,12 @@ class _HalfEdges:
 class TriangleMesh:
     """Vertices and triangles, and quantities derived from them, computed on first use.
 
+    Raises MeshError for arrays of another shape, or a vertex index out of range.
+
     Parameters
     ----------
     vertices : (n, 3) float array, in scene units
     triangles : (m, 3) int array, oriented consistently; :func:`check_mesh` checks the other conditions
-
-    Raises
-    ------
-    MeshError
-        for arrays of another shape, or a vertex index out of range
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:

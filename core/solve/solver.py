@@ -50,6 +50,9 @@ def solve(
 ) -> Solution:
     """Find phases of low energy together with a lower bound.
 
+    Raises SettingError for an option out of range, or a start that does not fit; Cancelled when the callback cancels;
+    nothing has been changed. Both are in ``core.errors``.
+
     Parameters
     ----------
     callback : callable(stage, fraction), optional
@@ -61,13 +64,6 @@ def solve(
     show : callable(Solution), optional
         Called with preliminary solutions: a first field after a small part of the time, the same when its bound is
         known, and then each better one. The result is the same without it. For the method "sdp".
-
-    Raises
-    ------
-    SettingError
-        for an option out of range, or a start that does not fit
-    Cancelled
-        when the callback cancels; nothing has been changed. Both are in ``core.errors``
     """
     options = Options() if options is None else options
     check_options(options, problem, start)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
@@ -15,8 +14,8 @@ from ..extract.quads.measure.faults import quad_faults
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.target_one_form import TargetOneForm
-from ..geometry import TriangleMesh
 from ..monitor import Callback, Monitor, portion
+from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
 from .close_loops import close_loops
 
@@ -27,8 +26,6 @@ if TYPE_CHECKING:
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces.
 TRIES = 7
-# On meshes with more vertices, directions are searched for on a coarse stage: their energies are as low.
-LARGE_MESH = 15_000
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # Share of the work for directions.
@@ -40,7 +37,7 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`."""
     wanted = request
-    if _is_default_search(request) and request.given.mesh.vertex_count > LARGE_MESH:
+    if _is_default_search(request):  # directions are searched for on a coarse stage: their energies are as low
         wanted = replace(request, options=replace(request.options, rounding=COARSE))
     directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
     found = _mesh_field(request, directions, progress)
@@ -53,12 +50,12 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
 
     It has first fields, the number of faces estimated from the area, and no smoothing.
     """
-    quick = replace(request, options=replace(request.options, method=FIRST), smoothing=0, start=None)
+    quick = replace(request.smoothed(0), options=replace(request.options, method=FIRST), start=None)
 
     try:
         directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
-        if quick.faces is not None:
-            quick = _scale_spacing(quick, _first_factor(quick, directions, quick.faces))
+        if quick.settings.faces:
+            quick = _scale_spacing(quick, _first_factor(quick, directions))
         return _finish(_draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
     except Cancelled:
         raise
@@ -66,10 +63,11 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
         return None
 
 
-def _first_factor(request: "SurfaceRequest", directions: DirectionField, faces: int) -> float:
-    """The factor of the spacing for a number of faces, estimated from the area."""
+def _first_factor(request: "SurfaceRequest", directions: DirectionField) -> float:
+    """The factor of the spacing for the wanted number of faces, estimated from the area."""
+    faces = request.settings.faces
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
-    least = _least_factor(request.given.mesh, request.spacings, faces)
+    least = least_factor(request.given.mesh, request.spacings, faces)
     return max(float(np.sqrt(YIELD * growth.quad_count / faces)), least)
 
 
@@ -78,14 +76,14 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
 
     Faces are counted in the traced grid lines; only meshes with nearly the wanted number are finished.
     """
-    faces = request.faces
-    if _is_default_search(request) and request.branching == 0:
-        # The coarse stage finds patterns without dislocations.
-        request = replace(request, options=replace(request.options, method=COARSE))
-    if faces is None:
+    faces = request.settings.faces
+    if _is_default_search(request) and request.settings.branching == 0:
+        # Without curl, quad meshes of first fields are as good as those of whole solves.
+        request = replace(request, options=replace(request.options, method=FIRST))
+    if not faces:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_close(_settle(_draw(request, directions, part), part), part), part)
-    spacing = _SpacingFactor(_first_factor(request, directions, faces), faces)
+        return _finish(_close(_draw(request, directions, part), part), part)
+    spacing = _SpacingFactor(_first_factor(request, directions), faces)
     drafts: list[_Draft] = []
     found: list[SurfaceResult] = []
     for number in range(TRIES):
@@ -95,7 +93,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
             if abs(count / faces - 1) <= NEAR:
-                found.append(_finish(_close(_settle(drafts.pop(), part), part), part))
+                found.append(_finish(_close(drafts.pop(), part), part))
                 count = _face_count(found[-1])
         except ContradictionError:
             raise
@@ -171,23 +169,14 @@ class _Draft:
 
 def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> _Draft:
     """The draft of the pattern along a field."""
-    result = request.along(directions, portion(progress, 0.0, _CLOSING if request.loops else 1.0))
+    result = request.along(directions, portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0))
     return _Draft(request, result, *request.trace(result.pattern))
-
-
-def _settle(draft: _Draft, progress: Callback | None) -> _Draft:
-    """The draft, or that of a whole solve if the coarse stage has left dislocations and it has less energy."""
-    if draft.request.options.method != COARSE or not draft.result.pattern.dislocations:
-        return draft
-    request = replace(draft.request, options=replace(draft.request.options, method="sdp"))
-    whole = _draw(request, draft.result.field, progress)
-    return min(draft, whole, key=lambda draft: draft.result.pattern.energy or 0.0)
 
 
 def _close(draft: _Draft, progress: Callback | None) -> _Draft:
     """The draft with more of its quads in short loops, if that is asked for and lines do not branch."""
     request = draft.request
-    if request.loops == 0 or request.branching != 0:
+    if request.settings.loops == 0 or request.settings.branching != 0:
         return draft
     pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
     result = replace(draft.result, pattern=pattern, loops_before=before)
@@ -198,7 +187,7 @@ def _finish(draft: _Draft, progress: Callback | None = None) -> "SurfaceResult":
     """The result with its quads, and the settings with which they were made."""
     Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
-    settled = {"spacing": request.spacing, "singularities": request.singularities}
+    settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
     return replace(draft.result, **request.finish(draft.quads, draft.seconds), settled=settled)
 
 
@@ -247,49 +236,6 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
             f"{lengths.sum():.3g} in length: reduce the spacing"
         )
     others = int((quads.sizes != 4).sum())
-    if others and request.branching == 0:
+    if others and request.settings.branching == 0:
         yield f"{others} of {len(quads.sizes)} faces are not quads, although no branches are wanted: reduce the spacing"
     yield from quad_faults(quads, mesh, request.given.is_closed)
-
-
-def spacing_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
-    """The factor of spacings that gives about a number of quads on a flat surface.
-
-    It is large enough for the quads to reach from one end of each component to the other. Spacings are one number,
-    (n,), or (n, 2) or (1, 2) along two axes.
-    """
-    return float(max(_area_factor(mesh, spacings) / np.sqrt(faces), _least_factor(mesh, spacings, faces)))
-
-
-def faces_of_factor(mesh: TriangleMesh, spacings: ArrayLike, factor: float) -> int:
-    """The number of quads for which :func:`spacing_factor` returns the given factor, rounded down."""
-    return int(max((_area_factor(mesh, spacings) / factor) ** 2, _least_factor(mesh, spacings, 1) / factor))
-
-
-def _area_factor(mesh: TriangleMesh, spacings: ArrayLike) -> float:
-    """The factor with which one quad is as large as the surface."""
-    sides = np.broadcast_to(_along_axes(spacings), (mesh.vertex_count, 2)) / 2
-    return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum()))
-
-
-def _least_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
-    """The factor with which so many quads in a row, corner to corner, are as long as the longest component of the mesh.
-
-    The area of a needle is too small to determine a spacing.
-    """
-    low, high = np.full((2, mesh.vertex_count, 3), np.inf)
-    np.minimum.at(low, mesh.pieces, mesh.vertices)
-    np.minimum.at(high, mesh.pieces, -mesh.vertices)
-    present = np.unique(mesh.pieces[mesh.triangles])
-    reach = (-high[present] - low[present]).max()
-    return float(reach / (np.sqrt(0.5) * np.asarray(spacings).max() * faces))
-
-
-def smallest_sides(mesh: TriangleMesh, spacings: ArrayLike) -> np.ndarray:
-    """(n,) the shorter side of a quad at each vertex; spacings as of :func:`spacing_factor`."""
-    return np.broadcast_to(_along_axes(spacings).min(axis=1) / 2, mesh.vertex_count)
-
-
-def _along_axes(spacings: ArrayLike) -> np.ndarray:
-    spacings = np.asarray(spacings, float)
-    return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)

@@ -16,7 +16,6 @@ from ..fields.guidance.solids import extend_directions, have_directions
 from ..fields.layers import LayerGroup, LayerPattern, SolidTargetOneForm, choose_levels
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
-from ..fields.target_one_form import COARSE_SHARE
 from ..geometry import TriangleMesh
 from ..geometry.filling.closed_surface import Area, ClosedSurface
 from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
@@ -25,6 +24,7 @@ from ..interpolate import TURN
 from ..memory import check_memory
 from ..monitor import Callback, Monitor, portion
 from ..printing.flush import FAR, far_share
+from ..refinement.spacing import COARSE_SHARE
 from ..solution import Clock
 from ..solve import Options
 

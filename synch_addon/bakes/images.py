@@ -30,11 +30,8 @@ def file_name(settings, name, map_name):
 def save(values, path, settings, map_name, scene):
     """Write (size, size, k) values to an image file; grey ones for k = 1.
 
-    Only the colour is encoded for the screen, and only as PNG; everything else is kept as it is.
-
-    Parameters
-    ----------
-    scene : one that only this uses, whose image settings are changed
+    Only the colour is encoded for the screen, and only as PNG; everything else is kept as it is. ``scene``: one that
+    only this uses, whose image settings are changed.
     """
     kind = MAPS[map_name]
     image_settings = scene.render.image_settings
@@ -100,10 +97,7 @@ def show_images(obj, kind, images, uv_map, with_displacement):
     """Show images on an object: in the slots that show the pattern, or else in a new last one. Returns the materials.
 
     Each remembers the material that it replaces, which stays in the file and is what the next bake looks at.
-
-    Parameters
-    ----------
-    images : by the names of their maps
+    ``images``: by the names of their maps.
     """
     shown = [(slot, source) for slot, source in zip(obj.material_slots, sources(obj), strict=True)]
     shown = [(slot, source) for slot, source in shown if pattern_node(source, kind) or _is_made_for(slot.material, obj)]

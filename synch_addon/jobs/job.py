@@ -22,16 +22,9 @@ READING = 0.1
 
 
 def run(job, progress=None) -> Json:
-    """Solve and write here and now; returns the report.
+    """Solve and write here and now; returns the report. Raises SynchError, with nothing written.
 
-    Parameters
-    ----------
-    progress : callable(stage, fraction) -> bool, optional; False cancels
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
+    ``progress``: callable(stage, fraction) -> bool, optional; False cancels.
     """
     if progress is not None and not callable(progress):
         raise SettingError(

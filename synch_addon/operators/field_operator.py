@@ -17,6 +17,7 @@ from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import count_text
 from ..panels.row_operators import others_selected
+from ..panels.sidebar import draw_redo
 from ..patterns import job as field_job
 from ..patterns.live import from_shown
 from ..settings.fields import PROPERTY_NAMES, plain
@@ -255,6 +256,9 @@ class FieldOperator(ObjectOperator):
         except RuntimeError as error:  # its error, as Blender hands it on
             self.report({"WARNING"}, f"{obj.name}: {str(error).removeprefix('Error: ').strip()}")
 
+    def draw(self, context):
+        draw_redo(self.layout, self)
+
     def _take(self, context):
         stored = context.active_object.synch
         self.guidance = stored_guidance(stored)
@@ -282,11 +286,11 @@ class FieldOperator(ObjectOperator):
             return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
         counts = ", ".join(count_text(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
         if report["energy"] is None:
-            return counts
+            return f"{report['object']}: {counts}"
         proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
         cost = report.get("pins_cost")
         pins = "" if cost is None else f"; with these pins directions bend {cost:+.1%}"
-        return f"energy {report['energy']:.4g}{proof}; {counts}{pins}"
+        return f"{report['object']}: energy {report['energy']:.4g}{proof}; {counts}{pins}"
 
 
 class SYNCH_OT_cancel(bpy.types.Operator):

@@ -36,11 +36,11 @@ class FieldJob:
         self._report = Report(command, obj, settings)
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
-            self._refinement, given = refinement_of(command, obj, settings)
+            self._refinement, read = refinement_of(command, obj, settings)
             with solved_object(obj, self._refinement) as surface:
                 self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
                 settings = self._report.settings = replace(settings, pins=self._pins)
-                self.request = gather(command, surface, settings, given=given)
+                self.request = gather(command, surface, settings, read=read)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
 
@@ -112,7 +112,7 @@ def show(obj, request, field, pattern, report, renumber=True):
     """
     frame_attributes.remove_frames(obj)
     defects, polygons = write.results(obj, request, field, pattern, report)
-    request = replace(request, given=replace(request.given, polygons=polygons))
+    request = request.on_mesh(replace(request.given, polygons=polygons))
     if renumber:
         numbers.renew_numbers(obj, request, pattern)
     return defects, request

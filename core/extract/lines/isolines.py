@@ -177,6 +177,8 @@ class Isolines:
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
     """The isolines of stripes, or both families of a quad pattern's grid lines.
 
+    Raises SettingError for another width, a width of quads, or too many lines.
+
     Parameters
     ----------
     edge_phases : EdgePhases

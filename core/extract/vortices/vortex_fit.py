@@ -23,7 +23,6 @@ def fitted_places(grid: Grid, asked: np.ndarray, faces: np.ndarray, signs: np.nd
 
     Parameters
     ----------
-    grid : Grid
     asked : (e,) phase change along each edge that the flow asks for
     faces : (k,)
     signs : (k,) +1 for vortices that go around as the face does, else -1

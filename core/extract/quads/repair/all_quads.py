@@ -129,14 +129,15 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> Quad
     for number in [n for n, corners in faces.corners.items() if len(corners) > 4 and len(corners) % 2 == 0]:
         _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
-    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[len(quads.vertices) :]))
+    new = slice(len(quads.vertices), None)
+    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[new], faces.normals[new]))
 
 
-def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray) -> QuadMesh:
-    """The quad mesh with further vertices, projected onto the surface."""
+def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray, normals: np.ndarray) -> QuadMesh:
+    """The quad mesh with further vertices, projected onto the surface where it looks along (k, 3) normals."""
     if len(places) == 0:
         return quads
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(places)
+    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest_facing(places, normals)
     return replace(
         quads,
         vertices=np.concatenate([quads.vertices, places]),

@@ -51,7 +51,8 @@ def collapse_quads(
         faces[faces == gone] = kept
     used = np.unique(faces)
     which = np.flatnonzero(moved)
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(vertices[which])
+    normals = mesh.face_normals[quads.triangles[which]]
+    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest_facing(vertices[which], normals)
     quads = move_vertices(quads, which, places, triangles, barycentric(mesh, triangles, places))
     return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 

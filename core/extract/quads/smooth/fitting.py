@@ -75,7 +75,8 @@ def project_vertices(
     ``lines`` as of :func:`sliding_lines`. On a line, vertices pass neither each other nor its ends.
     """
     loose = lines[which] < 0
-    ends, triangles = surface.nearest(places[loose])
+    normals = mesh.face_normals[quads.triangles[which]]
+    ends, triangles = surface.nearest_facing(places[loose], normals[loose])
     quads = move_vertices(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
     if chains is None:
         return quads
@@ -116,10 +117,11 @@ def _urgencies(quads: QuadMesh) -> np.ndarray:
 def _target_corners(quads: QuadMesh, mesh: TriangleMesh, surface: NearestTriangles, square: float) -> np.ndarray:
     """(c, 3) targets of the faces' corners."""
     targets = quads.vertices[quads.corner_vertices]
+    normals = mesh.face_normals[quads.triangles[quads.corner_vertices]]
     for size in np.unique(quads.sizes):
         corners = quads.starts[quads.sizes == size, None] + np.arange(size)
         places = targets[corners]
-        up = mesh.face_normals[surface.nearest(places.mean(axis=1))[1]]
+        up = mesh.face_normals[surface.nearest_facing(places.mean(axis=1), normals[corners].sum(axis=1))[1]]
         targets[corners] = _rectangles(places, up, square) if size == 4 else _regular(places, up)
     return targets
 
