@@ -199,7 +199,8 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     met = collisions(places + up[:, None] * normals, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
     return PrintPlan(
         made, layers, count_levels(order, carried, carrying), beads.widths[points], found, down, up,
-        beads.kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met, lowest,
+        beads.kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met,
+        lowest,
     )  # fmt: skip
 
 
