@@ -23,7 +23,7 @@ from ..solve.lifted import lifted_of_rank
 from .clebsch import ClebschMap, SphericalMap, clebsch_map
 
 
-def following_map(
+def solve_next_map(
     before: ClebschMap, integrals: np.ndarray, options: Options | None = None, callback: Callback | None = None
 ) -> ClebschMap:
     """Solve for the map of the next frame, with (e,) integrals on the same grid, from the map before, of the method
@@ -36,7 +36,7 @@ def following_map(
     return found.showing(found.phases * (turn / abs(turn))) if turn != 0 else found
 
 
-def following_sphere(before: SphericalMap, found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
+def solve_next_sphere(before: SphericalMap, found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
     """Solve for the spherical map of the next frame, whose map to the circle is ``found``, from the one before."""
     begin = time.perf_counter()
     problem = found.problem

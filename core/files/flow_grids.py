@@ -240,7 +240,7 @@ def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridF
         np.arange(count) if axis is None or len(axis) != count else axis
         for axis, count in zip(axes, field.shape[:3], strict=True)
     ]
-    return _evened(field, places, extras, is_curl, warnings)
+    return _resample_evenly(field, places, extras, is_curl, warnings)
 
 
 def _values(array: Any, leading: int) -> np.ndarray:
@@ -262,7 +262,7 @@ def _axis(arrays: dict[str, Any], names: Sequence[str]) -> np.ndarray | None:
     return None
 
 
-def _evened(
+def _resample_evenly(
     field: np.ndarray, places: list[np.ndarray], extra: dict[str, np.ndarray], is_curl: bool, warnings: tuple[str, ...]
 ) -> GridFlow:
     """A flow of values at coordinates along each axis, resampled where these are uneven."""
@@ -320,7 +320,7 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
             for n in mesh.point_data.keys()
             if n.lower() in (*_SOLIDS, *_MASKS)
         }
-        return _evened(field, axes, extra, is_curl, lines)
+        return _resample_evenly(field, axes, extra, is_curl, lines)
 
     def sample(places: np.ndarray) -> np.ndarray:
         found = pyvista.PolyData(places).sample(mesh)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import SettingError, name_elements
 from ..fields.clebsch import ClebschMap, SphericalMap, circulations, clebsch_map, quantum_for, spherical_map
-from ..fields.clebsch_frames import following_map, following_sphere
+from ..fields.clebsch_frames import solve_next_map, solve_next_sphere
 from ..fields.quantum import find_quantum
 from ..files.flow_grids import GridFlow, SampledFlow
 from ..files.flows import ArrayFile
@@ -88,18 +88,20 @@ class SequenceRequest:
         def reading(part: float, share: float) -> Callable[[int], None]:
             return lambda number: monitor.at(f"reading frame {self.files[number].frame}", part + share * number / count)
 
-        grid = monitor.during(lambda: self._common_grid(reading(0.0, _GRID)))
+        grid = monitor.during(lambda: self._find_grid(reading(0.0, _GRID)))
         check_grid(grid, self.files[0].source.path)
         quantum = self.settings.quantum
         if quantum is None:
-            quantum = monitor.during(lambda: self._quantum(grid, reading(_GRID, _QUANTUM)))
+            quantum = monitor.during(lambda: self._find_quantum(grid, reading(_GRID, _QUANTUM)))
         frames: list[FlowFrame] = []
         warned: dict[str, list[int]] = {}
         found = sphere = None
         begin = _GRID + _QUANTUM
         for number, file in enumerate(self.files):
             part = portion(progress, begin + (1 - begin) * number / count, (1 - begin) / count)
-            found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _name_frames(part, file.frame))
+            found, sphere, warnings = self._solve_frame(
+                file, grid, quantum, found, sphere, _name_frames(part, file.frame)
+            )
             result = FlowResult(found, sphere, found, None).seeing(self.settings)
             monitor.at(f"frame {file.frame}, vortices", begin + (1 - begin) * (number + 0.95) / count)
             shown = monitor.during(partial(showing, result.seen, sphere, self.settings))
@@ -114,7 +116,7 @@ class SequenceRequest:
         lines = tuple(f"{name_elements('frame', named)}: {line}" for line, named in warned.items())
         return SequenceResult(grid, quantum, tuple(frames), lines)
 
-    def _solved(
+    def _solve_frame(
         self,
         file: FrameFile,
         grid: Grid,
@@ -131,10 +133,10 @@ class SequenceRequest:
         if found is None or sphere is None:
             found = clebsch_map(grid, integrals, quantum, options, of_map)
             return found, spherical_map(found, of_sphere), warnings
-        found = following_map(found, integrals, options, of_map)
-        return found, following_sphere(sphere, found, of_sphere), warnings
+        found = solve_next_map(found, integrals, options, of_map)
+        return found, solve_next_sphere(sphere, found, of_sphere), warnings
 
-    def _common_grid(self, step: Callable[[int], None]) -> Grid:
+    def _find_grid(self, step: Callable[[int], None]) -> Grid:
         """A grid that holds the flow of every frame; SettingError where files have grids that differ.
 
         ``step`` is called with the number of each file before it is read.
@@ -157,7 +159,7 @@ class SequenceRequest:
                 low, high = np.minimum(low, lowest), np.maximum(high, highest)
         return fixed or box_grid(low, high, self.settings.resolution)
 
-    def _quantum(self, grid: Grid, step: Callable[[int], None]) -> float:
+    def _find_quantum(self, grid: Grid, step: Callable[[int], None]) -> float:
         """The circulation of a filament, from the frame with most vorticity."""
         largest, most = 0.0, None
         for number, file in enumerate(self.files):

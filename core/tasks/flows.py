@@ -231,16 +231,16 @@ class FlowRequest:
     def solve(self, progress: Callback | None = None) -> FlowResult:
         """Read, solve and extract; SettingError for an unusable source, Cancelled when ``progress`` returns False."""
         settings = self.settings
-        grid, integrals, warnings = _interruptible(self._read, "flow", progress)
+        grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
         each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
-        progress = _with_estimate(progress, each * grid.node_count)
+        progress = _estimate_seconds(progress, each * grid.node_count)
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest)
-        shown = _interruptible(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
+        shown = _run_interruptibly(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
         winding = None
         if shown.lines is not None:
             box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
-            winding = _interruptible(partial(linking_numbers, shown.lines, box), "vortices", progress, 0.98)
+            winding = _run_interruptibly(partial(linking_numbers, shown.lines, box), "vortices", progress, 0.98)
             warnings += tuple(self._about_share(result.found, shown, portion(progress, 0.9, 0.1)))
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
@@ -308,7 +308,7 @@ def _about_quantum(found: ClebschMap) -> Iterator[str]:
         )
 
 
-def _with_estimate(progress: Callback | None, seconds: float) -> Callback | None:
+def _estimate_seconds(progress: Callback | None, seconds: float) -> Callback | None:
     """A callback whose stages add the seconds left, from the usual seconds of a solve."""
     if progress is None:
         return None
@@ -321,7 +321,9 @@ def _with_estimate(progress: Callback | None, seconds: float) -> Callback | None
     return estimating
 
 
-def _interruptible(work: Callable[[], Result], stage: str, progress: Callback | None, fraction: float = 0.0) -> Result:
+def _run_interruptibly(
+    work: Callable[[], Result], stage: str, progress: Callback | None, fraction: float = 0.0
+) -> Result:
     """The result of work that does not check for cancellation itself."""
     monitor = Monitor(progress)
     monitor.at(stage, fraction)

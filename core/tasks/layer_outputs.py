@@ -110,19 +110,19 @@ class PathsRequest:
         when ``progress`` returns False."""
         monitor = Monitor(progress)
         monitor.at("tool paths", 0.0)
-        beads = monitor.during(self._beads)
+        beads = monitor.during(self._make_beads)
         if len(beads.lines.sizes) == 0:
             raise SettingError(f"no path of the step {self.step:g} fits on a layer: reduce it")
         monitor.at("order and reach", 0.5)
-        return monitor.during(lambda: self._planned(beads))
+        return monitor.during(lambda: self._plan(beads))
 
-    def _beads(self) -> Beads:
+    def _make_beads(self) -> Beads:
         fill = self.settings.fill
         if fill == "contour":
             return contour_beads(self.surfaces, self.step)
         return plane_beads(self.surfaces, self.surfaces.vertices[:, "xyz".index(fill[-1])], self.step)
 
-    def _planned(self, beads: Beads) -> PrintPlan:
+    def _plan(self, beads: Beads) -> PrintPlan:
         machine = self.settings.machine
         return print_plan(self.surfaces, self.solid, beads, self.matrix, machine, self.step, self.spacing)
 
@@ -140,7 +140,7 @@ class VoxelsRequest:
         if count > MOST_VOXELS:
             raise SettingError(
                 f"a resolution of {self.resolution} makes {count:.1e} voxels, and {MOST_VOXELS:.0e} is the most: "
-                f"reduce it to {self._fitting}"
+                f"reduce it to {self._largest_resolution}"
             )
 
     @property
@@ -152,9 +152,9 @@ class VoxelsRequest:
         """Evaluate the pattern; Cancelled when ``progress`` returns False."""
         monitor = Monitor(progress)
         monitor.at("voxels", 0.0)
-        return monitor.during(self._sampled)
+        return monitor.during(self._sample)
 
-    def _sampled(self) -> "Voxels":
+    def _sample(self) -> "Voxels":
         step, counts = self._layout
         low, extents = self.solid.vertices.min(axis=0), np.ptp(self.solid.vertices, axis=0)
         origin = low + (extents - step * (counts - 1)) / 2
@@ -170,7 +170,7 @@ class VoxelsRequest:
         return _grid(np.ptp(self.solid.vertices, axis=0), self.resolution)
 
     @property
-    def _fitting(self) -> int:
+    def _largest_resolution(self) -> int:
         """A resolution that is allowed, not much below the largest."""
         extents, resolution = np.ptp(self.solid.vertices, axis=0), self.resolution
         while _grid(extents, resolution)[1].prod(dtype=float) > MOST_VOXELS:

@@ -99,11 +99,11 @@ class SolidRequest:
         check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
-            solid = monitor.during(self._filled)
+            solid = monitor.during(self._fill)
         filled = FilledSurface(self.surface, solid)
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
-            directions, continued, spacings, groups = monitor.during(lambda: self._asked(filled))
+            directions, continued, spacings, groups = monitor.during(lambda: self._follow_guide(filled))
             divisions = self.lengths.divisions
             growth = SolidTargetOneForm.of(solid, directions, divisions * spacings)
             refuse_too_many_layers(divisions * growth.changes)
@@ -123,7 +123,7 @@ class SolidRequest:
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             ends = curve_ends(solid, surfaces, curves)
             phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
-            far = monitor.during(lambda: self._far(surfaces))
+            far = monitor.during(lambda: self._far_shares(surfaces))
         warnings = (
             *self._about_loss(solid),
             *self._about_holes(solid),
@@ -143,12 +143,12 @@ class SolidRequest:
             return estimate(self.surface.distance, self.lengths.size)
         return Estimate(self.lengths.size, self.solid.tet_count, SOLVED_BYTES * self.solid.tet_count)
 
-    def _filled(self) -> TetMesh:
+    def _fill(self) -> TetMesh:
         if self.solid is not None:
             return self.solid
         return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
 
-    def _asked(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
+    def _follow_guide(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
         """Directions, the share of those that are continued, spacings and groups on the solid."""
         directions, continued = self.guide.directions(filled)
         spacings: float | np.ndarray = self.lengths.spacing
@@ -156,7 +156,7 @@ class SolidRequest:
             spacings = self.limits.clipped(spacings * filled.inside(self.factors))
         return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
 
-    def _far(self, surfaces: LayerSurfaces) -> dict[str, float]:
+    def _far_shares(self, surfaces: LayerSurfaces) -> dict[str, float]:
         """By their names, the share of each area that should carry a layer which is far from all layers."""
         mesh, spacing = self.surface.mesh, self.lengths.spacing
         held = [asked.area for asked in self.asked if asked.phase == 0]

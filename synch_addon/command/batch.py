@@ -13,7 +13,6 @@ import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
 from ...core.batch import child_loop
-from ...core.batch.child_loop import ProcessPool
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
 from ...core.batch.run import plan, run_rows
@@ -103,7 +102,7 @@ def _run(options, way, shared, progress):
     if options.scheduler:
         crew = _cluster(options.scheduler, _SERVE, options.threads)
     else:
-        crew = ProcessPool(_command(), options.jobs, options.threads)
+        crew = child_loop.ProcessPool(_command(), options.jobs, options.threads)
     try:
         before, now = run_rows(rows, records, crew, options.retries, needed, progress, options.limit)
     finally:

@@ -53,14 +53,14 @@ def defect_curves(mesh: TetMesh, numbers: np.ndarray) -> list[DefectCurve]:
     """Join punctured faces, by their (f,) :func:`core.interpolate_solid.face_numbers`, to curves that close or end on
     the boundary: open ones first, in the order of their first faces."""
     # By the right hand: where the phase turns counterclockwise seen from outside, the curve comes out.
-    return [_curve(mesh, strand) for strand in join_curves(numbers, mesh.tet_faces, outward_signs(mesh))]
+    return [_curve(mesh, curve) for curve in join_curves(numbers, mesh.tet_faces, outward_signs(mesh))]
 
 
-def _curve(mesh: TetMesh, strand: FaceCrossingCurve) -> DefectCurve:
-    points = np.empty((len(strand.faces) + len(strand.cells), 3))
-    points[0::2] = mesh.vertices[mesh.faces[strand.faces]].mean(axis=1)
-    points[1::2] = mesh.vertices[mesh.tets[strand.cells]].mean(axis=1)
-    return DefectCurve(points, strand.faces, strand.cells, strand.index)
+def _curve(mesh: TetMesh, curve: FaceCrossingCurve) -> DefectCurve:
+    points = np.empty((len(curve.faces) + len(curve.cells), 3))
+    points[0::2] = mesh.vertices[mesh.faces[curve.faces]].mean(axis=1)
+    points[1::2] = mesh.vertices[mesh.tets[curve.cells]].mean(axis=1)
+    return DefectCurve(points, curve.faces, curve.cells, curve.index)
 
 
 @dataclass(frozen=True)

@@ -84,8 +84,8 @@ def filaments(found: ClebschMap, smoothing: int = 0) -> list[Filament]:
     places = np.empty((len(numbers), 3))
     passed = np.flatnonzero(numbers)
     places[passed] = puncture_places(found, passed)
-    strands = join_curves(numbers, grid.cell_faces, grid.outward)
-    return [_filament(found, strand, places, smoothing) for strand in strands if len(strand.cells)]
+    curves = join_curves(numbers, grid.cell_faces, grid.outward)
+    return [_filament(found, curve, places, smoothing) for curve in curves if len(curve.cells)]
 
 
 def vortices(found: ClebschMap) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -101,38 +101,38 @@ def vortices(found: ClebschMap) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return faces, puncture_places(found, faces), found.quantum * found.face_numbers[faces]
 
 
-def _filament(found: ClebschMap, strand: FaceCrossingCurve, places: np.ndarray, smoothing: int) -> Filament:
+def _filament(found: ClebschMap, curve: FaceCrossingCurve, places: np.ndarray, smoothing: int) -> Filament:
     """The :class:`Filament` of a curve, whose steps from face to face each lie in a cell; points on a periodic side are
     taken beside that cell."""
-    grid, faces, count = found.regular_grid, strand.faces, len(strand.cells)
-    middles = grid.places[grid.faces[grid.cell_faces[strand.cells, 0], 0]] + grid.spacing / 2
+    grid, faces, count = found.regular_grid, curve.faces, len(curve.cells)
+    middles = grid.places[grid.faces[grid.cell_faces[curve.cells, 0], 0]] + grid.spacing / 2
     box = grid.spacing * grid.shape
     starts, ends = places[faces[:count]], places[np.roll(faces, -1)[:count]]
     starts, ends = (p + box * np.rint((middles - p) / box * grid.periodic) for p in (starts, ends))
     # Boxes between the end of each step and the start of the next.
     leaps = np.rint((ends - np.roll(starts, -1, axis=0)) / box)
-    if strand.is_closed and leaps.any():
+    if curve.is_closed and leaps.any():
         first = np.flatnonzero(leaps.any(axis=1))[0] + 1
         starts, ends, leaps = (np.roll(values, -first, axis=0) for values in (starts, ends, leaps))
     passed = np.vstack([np.zeros(3), np.cumsum(leaps[:-1], axis=0)])
     points, winding = starts + box * passed, np.zeros(3, int)
-    if strand.is_closed:
+    if curve.is_closed:
         winding = leaps.sum(axis=0).astype(int)
     else:
         points = np.vstack([points, ends[-1:] + box * passed[-1:]])
     # Smoothing leaves the even part of the way around the box as it is.
     ramp = np.linspace(0, 1, len(points), endpoint=False)[:, None] * (box * winding)
-    points = ramp + smooth_line(points - ramp, strand.is_closed, smoothing, _STEPS)
+    points = ramp + smooth_line(points - ramp, curve.is_closed, smoothing, _STEPS)
     cuts = (0, *(np.flatnonzero(leaps[:-1].any(axis=1)) + 1).tolist())
     return Filament(
         points,
-        strand.index * found.quantum,
-        strand.is_closed,
+        curve.index * found.quantum,
+        curve.is_closed,
         tuple(winding.tolist()),
         box * winding,
         cuts,
         -box * passed[list(cuts)],
-        float(strand.index * np.sign(found.face_numbers[faces]) @ found.face_shares[faces]),
+        float(curve.index * np.sign(found.face_numbers[faces]) @ found.face_shares[faces]),
     )
 
 
