@@ -208,11 +208,12 @@ class SurfaceRequest:
         """
         growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
         # Tell the number of dislocations before the solve.
-        Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
+        forced = growth.forced_dislocations
+        Monitor(progress).at(f"pattern, {forced:.0f} dislocations asked for", 0.0)
         warnings = self.accept_faults(self._coarse_faults(growth.coarse_share))
 
         def result(pattern: Pattern) -> "PatternResult":
-            return PatternResult(directions, pattern, None, growth.forced_dislocations, warnings)
+            return PatternResult(directions, pattern, None, forced, warnings)
 
         with self._renumber_errors():
             pattern = PATTERNS[self.command](

@@ -9,7 +9,6 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ....geometry.nearest import NearestTriangles
 from ..features.chains import move_vertices
 from ..trace.quad_mesh import QuadMesh
 
@@ -51,7 +50,7 @@ def collapse_quads(
         faces[faces == gone] = kept
     used = np.unique(faces)
     which = np.flatnonzero(moved)
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(vertices[which])
+    places, triangles = mesh.finder.nearest(vertices[which])
     quads = move_vertices(quads, which, places, triangles, barycentric(mesh, triangles, places))
     return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 
