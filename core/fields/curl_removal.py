@@ -13,12 +13,15 @@ Changes between nodes that are known from constraints stay as they are. Where no
 the sum of C c is fixed (for directions by the topology): its mean over the area stays.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
-from scipy.sparse.linalg import cg
+from scipy.sparse.linalg import SuperLU, cg
 
 from ..algebra.factorization import factorize
 from ..connection import Connection, as_matrices
@@ -176,10 +179,37 @@ def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, rough
         inverse = diags_array(1 / matrix.diagonal())
         result[rows] = cg(matrix, right, rtol=ROUGH, maxiter=ROUGH_STEPS, M=inverse)[0]
         return result
-    factors = factorize(matrix + SHIFT * diags_array(matrix.diagonal()), single=False)
+    factors = _factors(matrix)
     for _ in range(SOLVES):
         result[rows] += factors.solve(right - matrix @ result[rows])
     return result
+
+
+# Matrices and factors that are kept, newest last; None where none are.
+_kept: ContextVar[list[tuple[csr_matrix, SuperLU]] | None] = ContextVar("kept", default=None)
+# How many are kept: those of directions and of patterns.
+_KEPT = 2
+
+
+@contextmanager
+def keep_factors() -> Iterator[None]:
+    """Keep the last factorizations until the end: other spacings lead to the same matrix."""
+    token = _kept.set([])
+    try:
+        yield
+    finally:
+        _kept.reset(token)
+
+
+def _factors(matrix: csr_matrix) -> SuperLU:
+    kept = _kept.get() or []
+    for known, factors in kept:
+        if known.shape == matrix.shape and known.nnz == matrix.nnz and abs(known - matrix).max() == 0:
+            return factors
+    factors = factorize(matrix + SHIFT * diags_array(matrix.diagonal()), single=False)
+    if _kept.get() is not None:
+        _kept.set([*kept[1 - _KEPT :], (matrix, factors)])
+    return factors
 
 
 def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.ndarray:

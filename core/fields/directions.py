@@ -223,9 +223,8 @@ def _curl_removing_turns(
     """(e,) radians, approximate turns that remove the curvature, of which the connection has a share."""
     known = known_turns(connection, fixed, merged)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
-    return remove_holonomy(
-        circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, rough=True
-    ).correction
+    holonomy = share * symmetry * mesh.face_curvatures
+    return remove_holonomy(circulation, holonomy, mesh.weights, known, rough=True).correction
 
 
 def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, known: np.ndarray | None) -> np.ndarray:

@@ -20,6 +20,7 @@ from ..interpolate import EdgePhases, FacePhases, face_phases
 from ..monitor import Callback
 from ..problem import SynchronizationProblem, join_targets
 from ..refinement.spacing import check_spacing
+from ..solution import COARSE, FIRST
 from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
 from .animation import next_solution
@@ -252,6 +253,21 @@ def change_pattern(
     problem = pattern.problem.turned_by(growth.connection_turns(correction))
     growth = replace(growth, correction=growth.correction + correction)
     return _pattern_of(growth, problem, solve(problem, options, callback), pattern.on_planes)
+
+
+def untangle(pattern: Pattern, options: Options | None = None, callback: Callback | None = None) -> Pattern:
+    """A pattern with a branching of 0, solved again from phases in which its dislocations are taken out.
+
+    The changes that it reached, without what dislocations add to them around triangles, are nearly those of phases.
+    """
+    growth, problem, options = pattern.growth, pattern.problem, options or Options()
+    assert problem is not None
+    reached = growth.reaching(pattern.edge_phases.changes)
+    calm = reached.changes + reached.curl_removal(problem.fixed, problem.merged)
+    near = problem.turned_by(growth.connection_turns(calm - growth.changes))
+    start = solve(near, replace(options, method=FIRST), callback).phases
+    solution = solve(problem, replace(options, method=COARSE), callback, start)
+    return _pattern_of(growth, problem, solution, pattern.on_planes)
 
 
 def _pattern_of(

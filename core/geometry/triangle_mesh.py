@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..errors import MeshError
 from ..graphs import components
 from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
+from .nearest import NearestTriangles
 from .vertex_splitting import next_half_edges, previous_half_edges
 
 # Cotangents are clipped to a range in which sums do not overflow.
@@ -314,6 +315,11 @@ class TriangleMesh:
             np.add.at(references, at, back)
         x = _normalized(references)
         return x, np.cross(normals, x)
+
+    @cached_property
+    def finder(self) -> NearestTriangles:
+        """Finds nearest points."""
+        return NearestTriangles(self.vertices, self.triangles)
 
     def tangent_numbers(self, vectors: np.ndarray) -> np.ndarray:
         """Compute (n,) complex tangential parts of (n, 3) vectors in :attr:`tangent_frames`."""

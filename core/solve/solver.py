@@ -22,7 +22,7 @@ from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.diffusion import diffuse
-from .methods.initial_field import first_field, search_after_relaxation, search_without_relaxation
+from .methods.initial_field import descend_from, first_field, search_after_relaxation, search_without_relaxation
 from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import connection_bytes
 from .methods.spectral import smallest_eigenpair
@@ -305,13 +305,15 @@ def _solve_descent(task: _Task, workspace: Workspace) -> PartResult:
 
 
 def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
-    """The start, if any, otherwise the first field, or that of a search on a coarse stage."""
+    """The start, with COARSE after descent; without one the first field, or that of a search on a coarse stage."""
     options, monitor, timed_out = task.options, task.monitor, False
     with task.clock("first"):
         monitor.at("first field", 0.0)
         rank = start_rank(task.piece, True, options.target_gap)
         if task.start.column is not None:
             column = task.start.column
+            if options.method == COARSE:
+                column = descend_from(workspace, column, monitor)
         elif options.method == FIRST:
             column = first_field(workspace, rank, options.seed, monitor)
         else:

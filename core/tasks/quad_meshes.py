@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,8 @@ from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
+from ..fields.curl_removal import keep_factors
+from ..fields.patterns import untangle
 from ..fields.target_one_form import TargetOneForm
 from ..monitor import Callback, Monitor, portion
 from ..refinement.spacing import least_factor
@@ -24,8 +27,12 @@ if TYPE_CHECKING:
 
 # Largest relative errors of the number of faces without more tries, and without a warning.
 NEAR, FAR = 0.03, 0.05
-# Spacings that are tried for a number of faces.
-TRIES = 7
+# Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
+TRIES, ENOUGH = 7, 3
+# Corrections of a pattern with dislocations.
+CORRECTIONS = 3
+# Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
+FEW = 300
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # Share of the work for directions.
@@ -39,8 +46,9 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     wanted = request
     if _is_default_search(request):  # directions are searched for on a coarse stage: their energies are as low
         wanted = replace(request, options=replace(request.options, rounding=COARSE))
-    directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
-    found = _mesh_field(request, directions, progress)
+    with keep_factors():
+        directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
+        found = _mesh_field(request, directions, progress)
     faults = [] if found.quads is None else list(_faults(request, found.quads))
     return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
 
@@ -74,7 +82,7 @@ def _first_factor(request: "SurfaceRequest", directions: DirectionField) -> floa
 def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> "SurfaceResult":
     """The mesh along a field, with a number of faces as near as possible to the wanted one.
 
-    Faces are counted in the traced grid lines; only meshes with nearly the wanted number are finished.
+    Faces are counted in the phases; only meshes with nearly the wanted number are traced and finished.
     """
     faces = request.settings.faces
     if _is_default_search(request) and request.settings.branching == 0:
@@ -82,19 +90,26 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         request = replace(request, options=replace(request.options, method=FIRST))
     if not faces:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_close(_draw(request, directions, part), part), part)
+        return _finish(_close(_settle(_draw(request, directions, part)), part), part)
     spacing = _SpacingFactor(_first_factor(request, directions), faces)
     drafts: list[_Draft] = []
     found: list[SurfaceResult] = []
+    wanted = float(faces)  # of quads for which phases have room, as finished meshes may have more
     for number in range(TRIES):
+        if number >= ENOUGH and min((draft.misses(wanted) for draft in drafts), default=np.inf) <= FAR:
+            break
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
         try:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
-            if abs(count / faces - 1) <= NEAR:
-                found.append(_finish(_close(drafts.pop(), part), part))
-                count = _face_count(found[-1])
+            if count < FEW:
+                request.trace(drafts[-1].result.pattern)
+            if drafts[-1].misses(wanted) <= NEAR:
+                found.append(_finish(_close(_settle(drafts.pop()), part), part))
+                if abs(_face_count(found[-1]) / faces - 1) <= NEAR:
+                    return found[-1]
+                wanted = faces * count / _face_count(found[-1])
         except ContradictionError:
             raise
         except TooManyLines as error:
@@ -102,24 +117,22 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         except SettingError:
             spacing.be_smaller()
             continue
-        if abs(count / faces - 1) <= NEAR:
-            break
-        spacing.correct(count)
-    best = _nearest_count(faces, drafts, found)
+        spacing.correct(count * faces / wanted)
+    best = _best_count(faces, wanted, drafts, found)
     return replace(best, warnings=(*best.warnings, *_about_faces(request, faces, _face_count(best))))
 
 
-def _nearest_count(faces: int, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
+def _best_count(faces: int, wanted: float, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
     """The finished mesh with the number of faces nearest to the wanted one; a draft is finished if it is nearer.
 
     Raises SettingError if the quads of all drafts are too large for a mesh.
     """
     found = found.copy()
-    for draft in sorted(drafts, key=lambda draft: abs(draft.face_count - faces)):
-        if found and abs(_face_count(found[0]) - faces) <= abs(draft.face_count - faces):
+    for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
+        if found and abs(_face_count(found[0]) / faces - 1) <= draft.misses(wanted):
             break
         try:
-            found.append(_finish(draft))
+            found.append(_finish(_close(_settle(draft), None)))
             break
         except SettingError:
             continue
@@ -153,24 +166,44 @@ class _SpacingFactor:
 
 @dataclass(frozen=True)
 class _Draft:
-    """A result without quads, its request, the traced quad mesh, and the seconds that tracing took."""
+    """A result without quads, and its request."""
 
     request: "SurfaceRequest"
     result: "PatternResult"
-    quads: QuadMesh
-    seconds: dict[str, float]
 
-    @property
+    @cached_property
     def face_count(self) -> float:
-        """Estimated number of faces after finishing: a polygon with 2 k corners becomes k - 1 quads."""
-        sizes = self.quads.sizes
-        return float((sizes - 2).sum() / 2) if self.request.has_only_quads else len(sizes)
+        """Number of faces; without branching that of quads for which the phases have room, mostly within 1 % of it."""
+        pattern = self.result.pattern
+        if not self.request.has_only_quads:
+            return len(self.request.trace(pattern)[0].sizes)
+        return pattern.growth.reaching(pattern.edge_phases.changes).quad_count
+
+    @cached_property
+    def dislocations(self) -> int:
+        return len(self.result.pattern.dislocations)
+
+    def misses(self, wanted: float) -> float:
+        """Relative error of the number of faces."""
+        return abs(self.face_count / wanted - 1)
 
 
 def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> _Draft:
     """The draft of the pattern along a field."""
-    result = request.along(directions, portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0))
-    return _Draft(request, result, *request.trace(result.pattern))
+    part = portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0)
+    return _Draft(request, request.along(directions, part))
+
+
+def _settle(draft: _Draft) -> _Draft:
+    """The draft of a first field with as few dislocations as a few corrections reach."""
+    best = draft
+    for _ in range(CORRECTIONS):
+        if draft.request.options.method != FIRST or not draft.dislocations:
+            break
+        pattern = untangle(draft.result.pattern, draft.request.options)
+        draft = replace(draft, result=replace(draft.result, pattern=pattern))
+        best = min(best, draft, key=lambda draft: draft.dislocations)
+    return best
 
 
 def _close(draft: _Draft, progress: Callback | None) -> _Draft:
@@ -179,8 +212,7 @@ def _close(draft: _Draft, progress: Callback | None) -> _Draft:
     if request.settings.loops == 0 or request.settings.branching != 0:
         return draft
     pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
-    result = replace(draft.result, pattern=pattern, loops_before=before)
-    return _Draft(request, result, *request.trace(pattern))
+    return _Draft(request, replace(draft.result, pattern=pattern, loops_before=before))
 
 
 def _finish(draft: _Draft, progress: Callback | None = None) -> "SurfaceResult":
@@ -188,7 +220,7 @@ def _finish(draft: _Draft, progress: Callback | None = None) -> "SurfaceResult":
     Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
     settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
-    return replace(draft.result, **request.finish(draft.quads, draft.seconds), settled=settled)
+    return replace(draft.result, **request.finish(*request.trace(draft.result.pattern)), settled=settled)
 
 
 def _is_default_search(request: "SurfaceRequest") -> bool:

@@ -276,9 +276,11 @@ class SurfaceRequest:
     ) -> Callable[[Pattern], "PatternResult"]:
         """What makes the result of a pattern; the number of dislocations is told, and faults are found, before it."""
         growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
-        Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
+        # Tell the number of dislocations before the solve.
+        forced = growth.forced_dislocations
+        Monitor(progress).at(f"pattern, {forced:.0f} dislocations asked for", 0.0)
         warnings = self.accept_faults(self._coarse_faults(growth.coarse_share))
-        return lambda pattern: PatternResult(directions, pattern, None, growth.forced_dislocations, warnings)
+        return lambda pattern: PatternResult(directions, pattern, None, forced, warnings)
 
     def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, KnownPattern]:
         """Directions and pattern of an earlier solution's (n, 3) directions and (k n,) complex phases."""

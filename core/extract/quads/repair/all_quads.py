@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ....geometry.nearest import NearestTriangles
 from ..trace.quad_mesh import QuadMesh
 
 # Most corners of a polygon that is divided again: the work grows with their fourth power.
@@ -137,7 +136,7 @@ def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray, norm
     """The quad mesh with further vertices, projected onto the surface where it looks along (k, 3) normals."""
     if len(places) == 0:
         return quads
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest_facing(places, normals)
+    places, triangles = mesh.finder.nearest_facing(places, normals)
     return replace(
         quads,
         vertices=np.concatenate([quads.vertices, places]),
