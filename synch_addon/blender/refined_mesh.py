@@ -39,8 +39,9 @@ def refined_object(source, bound, owner, mark):
     made[SURFACE_MARK] = mark
     _carry_attributes(source, made, bound)
     _carry_normals(source, data, bound)
+    members = groups.read_members(source)
     for group in source.vertex_groups:
-        weights = groups.read_weights(source, group.name)[bound.parents]
+        weights = groups.read_weights(source, group.name, members=members)[bound.parents]
         groups.write_weights(made, group.name, np.einsum("vk,vk->v", bound.weights, weights))
     for attribute, values in zip(schema.PARENTS, bound.parents.T, strict=True):
         attributes.write(made, attribute, values)
