@@ -7,7 +7,6 @@ from .modifiers import changes_faces, is_ours, is_surface
 from .objects import SURFACE_MARK
 from .schema import SOURCE_FACE
 
-
 # Modifiers that put what they add behind the vertices that are there.
 _KEEP_FIRST = {"ARRAY", "MIRROR", "MULTIRES", "SOLIDIFY", "SUBSURF"}
 

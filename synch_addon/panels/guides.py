@@ -7,7 +7,6 @@ from ..blender.registration import register_all
 from ..settings.guide_list import NAME_PROPERTIES
 from .row_operators import RemoveRow, RowOperator
 
-
 TOOL = "synch.strokes"
 
 

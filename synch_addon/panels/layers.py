@@ -148,4 +148,6 @@ class SYNCH_OT_layer_group_remove(_GroupOperator, RemoveRow, bpy.types.Operator)
         return obj.synch_layering.groups
 
 
-register, unregister = register_all((SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers, SYNCH_PT_layer_solver))
+register, unregister = register_all(
+    (SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers, SYNCH_PT_layer_solver)
+)

@@ -54,7 +54,17 @@ _REDONE = {
     "directions": ("guidance", "symmetry", "angle", "boundary", "mirror", "singularities"),
     "stripes": ("spacing", "branching", "guidance", "symmetry", "angle", "boundary", "mirror", "singularities"),
     "quads": ("spacing", "branching", "aspect", "guidance", "angle", "boundary", "mirror", "singularities"),
-    "quad_mesh": ("faces", "spacing", "branching", "loops", "guidance", "angle", "mirror", "singularities", "smoothing"),
+    "quad_mesh": (
+        "faces",
+        "spacing",
+        "branching",
+        "loops",
+        "guidance",
+        "angle",
+        "mirror",
+        "singularities",
+        "smoothing",
+    ),
 }
 
 
@@ -375,6 +385,4 @@ def draw_made(layout, obj):
         layout.operator("synch.carry", icon="MODIFIER")
 
 
-register, unregister = register_all(
-    (SYNCH_PT_fields, SYNCH_PT_guide, SYNCH_PT_pattern, SYNCH_PT_solver, SYNCH_PT_make)
-)
+register, unregister = register_all((SYNCH_PT_fields, SYNCH_PT_guide, SYNCH_PT_pattern, SYNCH_PT_solver, SYNCH_PT_make))

@@ -67,7 +67,11 @@ def test_what_only_a_kind_has_is_shown_with_it(tall, kind):
     tall.run(f"active().synch_simple.kind = {kind!r}")
     tall.run(PANEL.format("ADVANCED"))
     tall.wait_for("Surface")
-    for text, kinds in (("Face Count", ["quad_mesh"]), ("Aspect", ["quads", "quad_mesh"]), ("Symmetry", ["directions"])):
+    for text, kinds in (
+        ("Face Count", ["quad_mesh"]),
+        ("Aspect", ["quads", "quad_mesh"]),
+        ("Symmetry", ["directions"]),
+    ):
         assert tall.shows(text) == (kind in kinds), text
 
 

@@ -47,7 +47,11 @@ def test_all_but_a_few_panels_hide(chosen):
     obj = sphere()
     api.stripes(obj, spacing=0.5)
     few = {"fields", "result", "material_presets"}
-    assert panels() == few if chosen == "SIMPLE" else panels() > few | {"guide", "pattern", "make", "solver", "figures", "layers", "overlay"}
+    assert (
+        panels() == few
+        if chosen == "SIMPLE"
+        else panels() > few | {"guide", "pattern", "make", "solver", "figures", "layers", "overlay"}
+    )
 
 
 @pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
