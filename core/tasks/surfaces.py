@@ -46,6 +46,8 @@ PATTERNS: dict[str, Callable[..., Pattern]] = {
 }
 # Commands with pictures of intermediate results.
 SHOWN = ("stripes", "quads")
+# Curvature that varies over less than this part of a quad's side does not turn the directions of quad meshes.
+DETAIL = 0.5
 # Share of the work for the draft of a quad mesh.
 _DRAFT = 0.15
 
@@ -187,11 +189,20 @@ class SurfaceRequest:
         start = None if self.start is None else self.start[0]
         with self._renumber_errors():
             guides = tuple(guide.weighted for guide in self.guides)
-            wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins)
+            wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins, self._detail)
             field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
         if self.command == "quad_mesh":
             field = along_curvature(field)
         return field.turned(self.turn)
+
+    @property
+    def _detail(self) -> float:
+        """Length over which curvature has to vary to turn the directions of a quad mesh: a share of a quad's side."""
+        if self.command != "quad_mesh":
+            return 0.0
+        mesh = self.given.mesh
+        side = np.mean(self.spacings) / 2 if self.faces is None else np.sqrt(mesh.areas.sum() / self.faces)
+        return float(DETAIL * side)
 
     def along(
         self,
@@ -236,7 +247,7 @@ class SurfaceRequest:
     def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, Pattern]:
         """Directions and pattern of an earlier solution's (n, 3) directions and (k n,) complex phases."""
         mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
-        wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)
+        wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins, self._detail)
         field = known_directions(mesh, symmetry, vectors, wishes)
         assert self.branching is not None  # there are phases
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
