@@ -120,10 +120,8 @@ def remove_holonomy(
     known : (c,) changes known from constraints less the target changes, nan where unknown; optional
     rough : whether an approximate one will do
     """
-    softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
-    correction = np.zeros(len(weights))
+    softness, correction = _softness(weights, known), np.zeros(len(weights))
     if known is not None:
-        softness[~np.isnan(known)] = 0
         correction = np.nan_to_num(known)
         holonomy = holonomy + circulation.matrix @ correction
     flow = (diags_array(softness) @ circulation.matrix.T).tocsr()
@@ -131,6 +129,29 @@ def remove_holonomy(
     removed, follows = _removable(circulation, softness > 0, holonomy)
     found = _solve_rows(laplacian, removed, ~follows & (laplacian.diagonal() > 0), rough)
     return CurlRemoval(correction - flow @ found, found)
+
+
+def varying_part(
+    circulation: Circulation, holonomy: np.ndarray, weights: np.ndarray, length: float, known: np.ndarray | None = None
+) -> np.ndarray:
+    """(s,) the part of a holonomy h that varies over less than about a length: h - A (A + length^2 C W^-1 C^T)^-1 h.
+
+    A are the areas; other arguments as of :func:`remove_holonomy`.
+    """
+    flow = diags_array(_softness(weights, known)) @ circulation.matrix.T
+    laplacian = (circulation.matrix @ flow).tocsr()
+    shift = SHIFT * laplacian.diagonal().max(initial=0.0)
+    smoothing = diags_array(circulation.areas + shift) + length**2 * laplacian
+    part: np.ndarray = holonomy - circulation.areas * factorize(smoothing.tocsr(), single=False).solve(holonomy)
+    return part
+
+
+def _softness(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
+    """(c,) how freely changes vary: not at all where they are known."""
+    softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
+    if known is not None:
+        softness[~np.isnan(known)] = 0
+    return softness
 
 
 def removable_rows(circulation: Circulation, free: np.ndarray, laplacian: csr_matrix) -> np.ndarray:

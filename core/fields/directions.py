@@ -25,7 +25,7 @@ from ..solve.warm_start import Follower
 from .animation import carry_angles, nearest_representatives, next_solution
 from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
-from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
+from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation, varying_part
 from .evenness import quantiles
 from .guidance.guides import Guide, blend_guides
 from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
@@ -47,6 +47,7 @@ class DirectionWishes:
     singularities : share of the curvature's unevenness that is kept, from 0 to 1: fewer disclinations below 1, down to
         the fewest that the surface's topology allows (see :mod:`.curl_removal`)
     pins : triangles and the indices of their disclinations, multiples of 1 / symmetry; 0 for no disclination
+    detail : length over which curvature has to vary to turn the directions, 0 for all
     """
 
     guides: tuple[tuple[Guide, float], ...] = ()
@@ -54,11 +55,12 @@ class DirectionWishes:
     mirrors: tuple[Reflection, ...] = ()
     singularities: float = 1.0
     pins: tuple[tuple[int, float], ...] = ()
+    detail: float = 0.0
 
     @property
     def corrects(self) -> bool:
         """Whether they change the connection's turns around faces."""
-        return self.singularities < 1 or bool(self.pins)
+        return self.singularities < 1 or bool(self.pins) or self.detail > 0
 
 
 @dataclass(frozen=True)
@@ -238,11 +240,18 @@ def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, know
     correction = np.zeros(len(mesh.edges))
     if wishes.singularities < 1:
         correction += (1 - wishes.singularities) * _remove_curvature(mesh, symmetry, 0, known).correction
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    if wishes.detail > 0:
+        if known is not None:
+            correction = np.where(np.isnan(known), correction, known)
+        curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
+        part = varying_part(circulation, curvature, mesh.weights, wishes.detail, known)
+        rest = None if known is None else known - correction
+        correction += remove_holonomy(circulation, part, mesh.weights, rest).correction
     if not wishes.pins:
         return correction
     if wishes.mirrors:
         raise SettingError("pins hold one side of a mirror alone: remove the pins, or the mirror")
-    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
     curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
     asked = np.zeros(mesh.triangle_count)
     for triangle, index in wishes.pins:

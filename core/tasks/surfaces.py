@@ -53,6 +53,8 @@ from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 # Commands with a pattern, and those with pictures of intermediate results.
 PATTERNS = ("stripes", "quads", "quad_mesh")
 SHOWN = ("stripes", "quads")
+# Curvature that varies over less than this part of a quad's side does not turn the directions of quad meshes.
+DETAIL = 0.5
 # Share of the work for the draft of a quad mesh.
 _DRAFT = 0.15
 
@@ -245,6 +247,15 @@ class SurfaceRequest:
             field = along_curvature(field)
         return field.turned(self.turn)
 
+    @property
+    def _detail(self) -> float:
+        """Length over which curvature has to vary to turn the directions of a quad mesh: a share of a quad's side."""
+        if self.command != "quad_mesh":
+            return 0.0
+        faces = self.settings.faces
+        side = np.sqrt(self.given.mesh.areas.sum() / faces) if faces else np.mean(self.spacings) / 2
+        return float(DETAIL * side)
+
     def along(
         self,
         directions: DirectionField,
@@ -291,7 +302,7 @@ class SurfaceRequest:
     def _direction_wishes(self, guides: tuple[tuple[Guide, float], ...]) -> DirectionWishes:
         singularities = self.settings.singularities
         assert singularities is not None  # SurfaceSettings.for_command sets it
-        return DirectionWishes(guides, self.rows, self.mirrors, singularities, self.pins)
+        return DirectionWishes(guides, self.rows, self.mirrors, singularities, self.pins, self._detail)
 
     @property
     def _pattern_wishes(self) -> PatternWishes:
