@@ -123,7 +123,7 @@ def test_tubes_have_no_faces_that_fold(radius):
     distance = np.linalg.norm(grid.places, axis=1)
     turn = np.arctan2(grid.places[:, 1], grid.places[:, 0])
     sphere = np.column_stack([np.sin(distance) * np.cos(turn), np.sin(distance) * np.sin(turn), -np.cos(distance)])
-    found = SimpleNamespace(grid=grid, quantum=1.0)
+    found = SimpleNamespace(grid=grid, regular_grid=grid, quantum=1.0)
     settings = SimpleNamespace(show="tubes", point=None, opening=np.degrees(radius), smoothing=4, unwrapped=False)
     tubes = showing(found, SimpleNamespace(found=found, sphere=sphere), settings).tubes
     corners = tubes.vertices[tubes.triangles]
