@@ -142,7 +142,8 @@ def solved(name, make, length, height):
         solid,
         SolidGuide("guide", compute),
         tuple(AskedArea(area, np.pi) for area in areas),
-        Lengths.of(surface.distance, height, None) if solid is None
+        Lengths.of(surface.distance, height, None)
+        if solid is None
         else Lengths.carried(surface.distance, height, float(np.median(solid.edge_lengths))),
         None,
         Options(),

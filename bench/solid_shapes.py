@@ -169,9 +169,15 @@ def cup():
     places = [np.column_stack([radius * ring, np.full(count, z)]) for radius, z in outline[1:-1]]
     vertices = np.concatenate([*places, [[0, 0, 0], [0, 0, 4]]])
     one, other = np.arange(count), np.roll(np.arange(count), -1)
-    quads = [np.stack([row + one, row + other, row + count + other, row + count + one], axis=1) for row in count * np.arange(3)]
+    quads = [
+        np.stack([row + one, row + other, row + count + other, row + count + one], axis=1)
+        for row in count * np.arange(3)
+    ]
     low, high = len(vertices) - 2, len(vertices) - 1
-    fans = [np.stack([np.full(count, low), other, one], axis=1), np.stack([np.full(count, high), 3 * count + one, 3 * count + other], axis=1)]
+    fans = [
+        np.stack([np.full(count, low), other, one], axis=1),
+        np.stack([np.full(count, high), 3 * count + one, 3 * count + other], axis=1),
+    ]
     return vertices, [*np.concatenate(quads).tolist(), *np.concatenate(fans).tolist()], {}, "axis:Z", ""
 
 

@@ -360,9 +360,10 @@ def _header(course, machine, moves):
     """Comments that previews and printers read."""
     facts, whole = moves.facts, round(moves.facts["seconds"])
     hours, minutes, seconds = whole // 3600, whole // 60 % 60, whole % 60
+    layers = np.unique(course.levels if len(course.levels) else course.layers)
     return [
         "; made by Synch Fields",
-        f"; {len(course.runs)} beads on {len(np.unique(course.levels if len(course.levels) else course.layers))} layers",
+        f"; {len(course.runs)} beads on {len(layers)} layers",
         f"; filament used [mm] = {facts['filament']:.2f}",
         f"; filament used [cm3] = {facts['volume'] / 1000:.3f}",
         f"; estimated printing time (normal mode) = {hours}h {minutes}m {seconds}s",

@@ -107,7 +107,7 @@ class PrintPlan:
 
     @property
     def collided(self):
-        """(n,) bool"""
+        """(n,) bool, whether the tool meets something there."""
         return self.met >= 0
 
     @cached_property
@@ -198,8 +198,9 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     down, up = (np.maximum(even_along(made, lengths * way, step), 0) for way in ways)
     met = collisions(places + up[:, None] * normals, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
     return PrintPlan(
-        made, layers, count_levels(order, carried, carrying), beads.widths[points], found, down, up, beads.kinds[chosen], volume, matrix,
-        machine, step, spacing, beads.covered, beads.covered_share, overhangs, met, lowest,
+        made, layers, count_levels(order, carried, carrying), beads.widths[points], found, down, up,
+        beads.kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met,
+        lowest,
     )  # fmt: skip
 
 

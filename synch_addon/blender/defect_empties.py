@@ -41,14 +41,15 @@ class DefectEmpty(NamedTuple):
     phase: str = ""
 
 
-def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0) -> list[bpy.types.Object]:
+def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0, mesh=None) -> list[bpy.types.Object]:
     """Leave one empty of `obj` for each of `defects`, and no others of these `kinds`.
 
-    An empty that is there goes to the next defect of its kind and index: to make one, or to take one away, costs
-    Blender more than to move it. Positions and normals are in object space; an empty's Z axis is the normal. `length`,
-    in scene units, sets the display size: the distance between stripes is a good one. New empties lie in
-    "Synch Defects: <object>", a collection inside "Synch Defects" of the object's scene, which keeps its visibility
-    settings. Returns the empties, in the order of `defects`.
+    An empty that exists moves to the next defect of its kind and index, since making and removing one costs Blender
+    more. Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene units, sets the
+    display size: the distance between stripes is a good one. Empties follow the faces of `mesh`, where one is given
+    whose vertices are the first ones that `obj` shows. New empties lie in "Synch Defects: <object>", a collection
+    inside "Synch Defects" of the object's scene, which keeps its visibility settings. Returns the empties, in the order
+    of `defects`.
     """
     collection = _collection_of(obj)
     free = {}
@@ -66,7 +67,7 @@ def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.
     _remove_empties([empty for of_label in free.values() for empty in of_label])
     size = length / mean_scale(obj)
     for empty, defect in zip(empties, defects, strict=True):
-        _place(empty, defect, size)
+        _place(empty, defect, size, _corners(mesh, defect.face))
     at_the_end(lambda: _remove_if_empty(collection))
     return empties
 
@@ -119,11 +120,30 @@ def _new_empty(obj, name, collection):
     return empty
 
 
-def _place(empty, defect, size):
+def _corners(mesh, face):
+    """The first three vertices of a face, by number, and the inverse of the matrix from the space that Blender gives
+    what has them as its parents; no numbers where it has no area."""
+    if mesh is not None:
+        numbers = mesh.polygons[face].vertices[:3]
+        first, second, third = (mesh.vertices[number].co for number in numbers)
+        along, normal = (second - first).normalized(), (second - first).cross(third - first).normalized()
+        if along and normal:
+            frame = Matrix((along, normal.cross(along), normal)).transposed().to_4x4()
+            frame.translation = (first + second + third) / 3
+            return tuple(numbers), frame.inverted()
+    return (), Matrix.Identity(4)
+
+
+def _place(empty, defect, size, corners):
     """Make an empty show a defect, as far as it does not yet; undone where the work fails."""
     shape, part = _DISPLAY[defect.kind]
+    numbers, inverse = corners
     wanted = {
-        "matrix_parent_inverse": Matrix.Identity(4),
+        # Of a face as parent, Blender draws no dashed line across the object.
+        "parent_type": "VERTEX_3" if numbers else "OBJECT",
+        "parent_vertices": numbers or tuple(empty.parent_vertices),
+        "use_parent_final_indices": bool(numbers),
+        "matrix_parent_inverse": inverse,
         "rotation_mode": "QUATERNION",
         "rotation_quaternion": Vector(defect.normal).to_track_quat("Z", "Y"),
         "location": Vector(defect.position),
@@ -133,12 +153,17 @@ def _place(empty, defect, size):
     }
     for name, value in wanted.items():
         now = getattr(empty, name)
-        if (tuple(now) if name == "color" else now) != (tuple(value) if name == "color" else value):
+        if _plain(now) != _plain(value):
             assign(empty, name, value)
     properties = {_KIND: defect.kind, _INDEX: float(defect.index), _FACE: int(defect.face)}
     for key, value in (properties | ({_PHASE: defect.phase} if defect.phase else {})).items():
         if empty.get(key) != value:
             store(empty, key, value)
+
+
+def _plain(value):
+    """A value that can be compared: arrays of properties only say whether they are the same array."""
+    return tuple(map(_plain, value)) if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 
 def _label_of(empty):

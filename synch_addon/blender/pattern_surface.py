@@ -3,9 +3,12 @@
 
 from ...core.errors import SynchError
 from .attributes import read
-from .modifiers import is_surface
+from .modifiers import changes_faces, is_ours, is_surface
 from .objects import SURFACE_MARK
 from .schema import SOURCE_FACE
+
+# Modifiers that put what they add behind the vertices that are there.
+_KEEP_FIRST = {"ARRAY", "MIRROR", "MULTIRES", "SOLIDIFY", "SUBSURF"}
 
 
 def surface_of(obj):
@@ -22,6 +25,13 @@ def surface_modifier(obj):
     return next((modifier for modifier in obj.modifiers if is_surface(modifier) and shown_by(modifier)), None)
 
 
+def shows_vertices_first(obj):
+    """Whether the first vertices that an object's modifiers show are those of the mesh that carries its pattern."""
+    bound, modifiers = surface_modifier(obj), list(obj.modifiers)
+    later = modifiers if bound is None else modifiers[modifiers.index(bound) + 1 :]
+    return not any(changes_faces(one) and one.type not in _KEEP_FIRST and not is_ours(one) for one in later)
+
+
 def faces_of_object(obj, faces):
     """The faces of an object's own mesh that faces of the mesh that carries its pattern are part of, ascending.
 
@@ -33,10 +43,7 @@ def faces_of_object(obj, faces):
 def source_faces(obj):
     """(m,) the face of an object's own mesh that each face of its pattern's own surface is part of.
 
-    Raises
-    ------
-    SynchError
-        where that is made of what modifiers made of the object
+    Raises SynchError where that is made of what modifiers made of the object.
     """
     source = read(surface_of(obj), SOURCE_FACE)
     if source is None or source.max(initial=-1) >= len(obj.data.polygons):

@@ -3,7 +3,6 @@
 
 import bpy
 
-from ..panels.sidebar import draw_directions
 from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 
@@ -14,6 +13,3 @@ class SYNCH_OT_directions(FieldOperator, SettingProperties, bpy.types.Operator):
     bl_idname = "synch.directions"
     bl_label = "Directions"
     command = "directions"
-
-    def draw(self, context):
-        draw_directions(self.layout, self, context.active_object)

@@ -17,6 +17,7 @@ from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import count_text
 from ..panels.row_operators import others_selected
+from ..panels.sidebar import draw_redo
 from ..patterns import job as field_job
 from ..patterns.live import from_shown
 from ..settings.fields import PROPERTY_NAMES, plain
@@ -35,6 +36,32 @@ _KEEPS, _CANCELS = "Esc over the 3D view: keep what is shown", "Esc over the 3D 
 _MOMENT = 0.01
 
 
+class Click:
+    """The jobs that one click has begun, of which the last to end makes the step that undo takes back."""
+
+    def __init__(self):
+        self._left, self._wrote = 0, False
+
+    def begin(self):
+        """One more."""
+        self._left += 1
+
+    def end(self, result, label):
+        """What an operator returns to Blender whose job has ended with a result."""
+        self._left -= 1
+        self._wrote |= result == {"FINISHED"}
+        if self._left:
+            return {"CANCELLED"}
+        if self._wrote and result != {"FINISHED"}:
+            push_undo(label)
+        return result
+
+
+def push_undo(message):
+    """A step for undo, which is made where an operator is not to make it."""
+    bpy.ops.ed.undo_push(message=message)
+
+
 class BackgroundOperator:
     """Mixed into an operator that solves: blocking from a script, in the row of jobs from the window.
 
@@ -43,7 +70,7 @@ class BackgroundOperator:
     """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
-    _work = None
+    _work = _click = None
 
     def invoke(self, context, event):
         """From the window: take the panel's settings and solve in the background."""
@@ -69,7 +96,7 @@ class BackgroundOperator:
             queue.advance()
             self._look_after(work)
         if work.is_over and (work.error is not None or not self._postponed(context)):
-            return self._reporting(self._finish, context)
+            return self._click.end(self._reporting(self._finish, context), self.bl_label)
         if event.type == "TIMER" and (work.holds_window or time.monotonic() < start + _MOMENT):
             self._tell(context, work)
         if not (work.holds_window and work is queue.running):
@@ -111,6 +138,8 @@ class BackgroundOperator:
 
     def _start(self, context):
         self._work = queue.add(self._job(context), self.bl_label)
+        self._click = self._click or Click()
+        self._click.begin()
         self._taken = _Taken(context, self._work)
         self._work.let_go = self._taken.give_back
         context.window_manager.modal_handler_add(self)
@@ -242,9 +271,13 @@ class FieldOperator(ObjectOperator):
         """From the window: the active object first, and then the other selected ones, each with its own settings."""
         others = others_selected(context)
         started = super().invoke(context, event)
-        for obj in others if started != {"CANCELLED"} else ():
-            with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
-                self._begin_another(obj)
+        FieldOperator._click = self._click  # that of the others
+        try:
+            for obj in others if started != {"CANCELLED"} else ():
+                with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
+                    self._begin_another(obj)
+        finally:
+            FieldOperator._click = None
         return started
 
     def _begin_another(self, obj):
@@ -254,6 +287,9 @@ class FieldOperator(ObjectOperator):
                 operator("INVOKE_DEFAULT")
         except RuntimeError as error:  # its error, as Blender hands it on
             self.report({"WARNING"}, f"{obj.name}: {str(error).removeprefix('Error: ').strip()}")
+
+    def draw(self, context):
+        draw_redo(self.layout, self)
 
     def _take(self, context):
         stored = context.active_object.synch
@@ -282,11 +318,11 @@ class FieldOperator(ObjectOperator):
             return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
         counts = ", ".join(count_text(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
         if report["energy"] is None:
-            return counts
+            return f"{report['object']}: {counts}"
         proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
         cost = report.get("pins_cost")
         pins = "" if cost is None else f"; with these pins directions bend {cost:+.1%}"
-        return f"energy {report['energy']:.4g}{proof}; {counts}{pins}"
+        return f"{report['object']}: energy {report['energy']:.4g}{proof}; {counts}{pins}"
 
 
 class SYNCH_OT_cancel(bpy.types.Operator):

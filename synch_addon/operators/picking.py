@@ -17,8 +17,9 @@ class PickingOperator(ReadyOperator):
 
     ``hint`` is shown in the status bar meanwhile. ``begin`` notes how an object is; ``pick`` does something at a ray,
     anew after a click and in the last one's place while that is held, and returns whether it did; ``let_go``
-    is told when the button is up again, and returns what the status bar is to say of that; ``keep`` and ``take_back``
-    end what was done, for good or as before.
+    is told when the button is up again, and returns what the status bar is to say of that; ``foretell`` returns what it
+    is to say of a click at a ray, None for what it says already; ``keep`` and ``take_back`` end what was done, for good
+    or as before.
     """
 
     hint = ""
@@ -32,6 +33,9 @@ class PickingOperator(ReadyOperator):
     def let_go(self, obj):
         """Nothing is to be said by default."""
         return ""
+
+    def foretell(self, obj, surface, ray):
+        """Nothing is to be said by default."""
 
     def keep(self, obj):
         """Nothing more is to be done by default."""
@@ -93,13 +97,21 @@ class PickingOperator(ReadyOperator):
             return {"CANCELLED"}
         if event.type == "LEFTMOUSE":
             if self._held and event.value == "RELEASE":
-                context.workspace.status_text_set("   ".join(filter(None, (self.let_go(obj), translate(self.hint)))))
+                self._say(context, self.let_go(obj))
             pressed = event.value == "PRESS" and not over_sidebar(context, event)
             self._held = pressed and self._pick(context, event, obj, False)
             return {"RUNNING_MODAL"}
         if event.type == "MOUSEMOVE" and self._held:
             self._pick(context, event, obj, True)
+        elif event.type == "MOUSEMOVE" and not over_sidebar(context, event):
+            ray = ray_under(context, (event.mouse_region_x, event.mouse_region_y), obj)
+            line = self.foretell(obj, self._surface, ray)
+            if line is not None:
+                self._say(context, line)
         return {"PASS_THROUGH"} if navigates(event) else {"RUNNING_MODAL"}
+
+    def _say(self, context, line):
+        context.workspace.status_text_set("   ".join(filter(None, (line, translate(self.hint)))))
 
     def _pick(self, context, event, obj, is_moved):
         """What was done may be refused in one line, and stays as it was then."""

@@ -4,7 +4,6 @@
 import bpy
 
 from ..blender.meshes import refusal
-from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
 from ..patterns.job import FieldJob
 from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties, source_of
 from ..settings.guide_list import stored_guidance
@@ -18,24 +17,12 @@ class SYNCH_OT_quads(FieldOperator, SettingProperties, bpy.types.Operator):
     bl_label = "Quads"
     command = "quads"
 
-    def draw(self, context):
-        draw_directions(self.layout, self, context.active_object, of_quads=True)
-        draw_pattern(self.layout, self)
-        draw_quads(self.layout, self)
-        draw_faces(self.layout, self)
-
 
 class _QuadMeshOperator(FieldOperator, MeshProperties, SettingProperties):
     """Mixed into operators that make a mesh of quads."""
 
     command = "quad_mesh"
     stored_as = MESH_NAMES
-
-    def draw(self, context):
-        draw_directions(self.layout, self, context.active_object, of_quads=True)
-        draw_pattern(self.layout, self)
-        draw_quads(self.layout, self)
-        draw_quad_mesh(self.layout, self)
 
 
 class SYNCH_OT_quad_mesh(_QuadMeshOperator, bpy.types.Operator):

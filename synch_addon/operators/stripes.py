@@ -3,7 +3,6 @@
 
 import bpy
 
-from ..panels.sidebar import draw_directions, draw_faces, draw_pattern
 from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 
@@ -14,8 +13,3 @@ class SYNCH_OT_stripes(FieldOperator, SettingProperties, bpy.types.Operator):
     bl_idname = "synch.stripes"
     bl_label = "Stripes"
     command = "stripes"
-
-    def draw(self, context):
-        draw_directions(self.layout, self, context.active_object)
-        draw_pattern(self.layout, self)
-        draw_faces(self.layout, self)

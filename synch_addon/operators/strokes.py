@@ -60,6 +60,7 @@ class StrokeOperator:
         view.rest()
         self._step(context, event, obj)
         context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set(translate("Let the button go: done   Esc: as before"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -77,11 +78,12 @@ class StrokeOperator:
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """The window or the file is being closed."""
+        """However it ends: give the status bar back."""
         view.rest()
+        context.workspace.status_text_set(None)
 
     def _end(self, context, result):
-        view.rest()
+        self.cancel(context)
         context.area.tag_redraw()
         return result
 

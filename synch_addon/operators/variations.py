@@ -2,13 +2,16 @@
 """Operators on the last solve of the active object: other configurations, defects at chosen vertices."""
 
 import random
+import time
 
 import bpy
 from bpy.props import IntProperty
 
-from ...core.fields.placement import nearest_variation
+from ...core.errors import SettingError
+from ...core.fields.placement import nearest_variation, with_defects
 from ...core.settings.surface import SurfaceSettings
 from .. import api
+from ..blender.translations import translate
 from ..patterns import memory
 from ..patterns.numbers import renew_shown
 from ..settings.rna import property_of
@@ -17,6 +20,8 @@ from .ready import PromptOperator, ReadyOperator
 
 # Numbers that the dice draw: from here on every one is the seed of another search. So many are tried.
 _DRAWN, _TRIES = (100, 1_000_000), 4
+# Seconds after which what a defect would cost is no longer told before the click.
+_SOON = 0.3
 
 
 class _SolvedOperator(ReadyOperator):
@@ -88,7 +93,7 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
         number = nearest_variation(best, [random.randrange(*_DRAWN) for _ in range(_TRIES)])
         report = api.vary(obj, number)
         more = report["energy"] / best.solution.energy - 1 if best.solution.energy > 0 else 0.0
-        return f"{more:+.1%} energy, against the best; {_find_variations(report)}"
+        return f"{_find_variations(report)}; {more:+.1%} energy, against the best"
 
 
 class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operator):
@@ -107,6 +112,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
 
     def begin(self, obj):
         self._before, self._vertices = memory.recall(obj), []
+        self._foretold, self._is_slow = None, False
 
     def pick(self, obj, surface, ray, is_moved):
         vertex = surface.vertex_at(*ray)
@@ -117,6 +123,21 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
         self._vertices = vertices
         return True
 
+    def foretell(self, obj, surface, ray):
+        """What a defect costs where the pointer is, as long as that is told soon."""
+        vertex = surface.vertex_at(*ray)
+        if self._is_slow or vertex is None or vertex == self._foretold:
+            return None
+        self._foretold, start = vertex, time.monotonic()
+        now = memory.solve_of(obj).pattern
+        try:
+            then = with_defects(now, [*self._vertices, vertex])
+        except SettingError as error:
+            return str(error)
+        self._is_slow = time.monotonic() > start + _SOON
+        ends = len(then.dislocations) - len(now.dislocations)
+        return translate("Here: {ends:+} line ends, {more:+.1%} energy", ends=ends, more=then.energy / now.energy - 1)
+
     def keep(self, obj):
         renew_shown(obj)
 
@@ -125,7 +146,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
 
 
 def _find_variations(report):
-    return f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
+    return f"{report['object']}: energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
 
 
 CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)

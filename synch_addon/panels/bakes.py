@@ -22,14 +22,15 @@ class SYNCH_PT_bake(SettingsPanel, bpy.types.Panel):
     """The pattern as images"""
 
     bl_label = "Bake"
+    bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 6
+    bl_order = 1
 
     @classmethod
     def poll(cls, context):
         return super().poll(context) and pattern_kind(context.active_object) is not None
 
-    def draw(self, context):
+    def draw_body(self, context):
         draw_bake(self.layout, context.scene.synch_bake, context.active_object)
         self.layout.operator("synch.bake", icon="RENDER_STILL")
 

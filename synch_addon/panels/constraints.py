@@ -83,10 +83,11 @@ class SYNCH_PT_constraints(SettingsPanel, bpy.types.Panel):
     """What is asked of the pattern along lines of the mesh"""
 
     bl_label = "Constraints"
+    bl_parent_id = "SYNCH_PT_guide"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 3
+    bl_order = 2
 
-    def draw(self, context):
+    def draw_body(self, context):
         obj = context.active_object
         stored = obj.synch
         line = self.layout.row()

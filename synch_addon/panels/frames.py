@@ -43,10 +43,11 @@ class SYNCH_PT_animation(SettingsPanel, bpy.types.Panel):
     """The pattern in each frame of a moving mesh"""
 
     bl_label = "Animation"
+    bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 7
+    bl_order = 2
 
-    def draw(self, context):
+    def draw_body(self, context):
         settings = context.active_object.synch_animation
         column = property_column(self.layout)
         column.prop(settings, "pattern")

@@ -1,11 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Guidance in the panel, and the operators that add and remove the guides of a blend."""
+"""Guidance and guide strokes in the panel, and the operators that add and remove the guides of a blend."""
 
 import bpy
 
 from ..blender.registration import register_all
 from ..settings.guide_list import NAME_PROPERTIES
 from .row_operators import RemoveRow, RowOperator
+
+TOOL = "synch.strokes"
+
+
+def is_drawing(context):
+    """Whether the tool for guide strokes is chosen in the views of a window."""
+    tool = context.workspace.tools.from_space_view3d_mode("OBJECT", create=False)
+    return tool is not None and tool.idname == TOOL
+
+
+def draw_strokes(column):
+    """The button that chooses the tool for guide strokes, and what is asked of those that are drawn."""
+    context = bpy.context
+    if context.mode != "OBJECT":
+        return
+    drawing = is_drawing(context)
+    text = "Done Drawing" if drawing else "Draw Strokes"
+    button = column.operator("wm.tool_set_by_id", text=text, icon="GREASEPENCIL", depress=drawing)
+    button.name = "builtin.select_box" if drawing else TOOL
+    if drawing:
+        strokes = context.scene.synch_strokes
+        column.row().prop(strokes, "wish", expand=True)
+        line = column.row(heading="Soft")
+        line.prop(strokes, "soft", text="")
+        strength = line.row()
+        strength.active = strokes.soft
+        strength.prop(strokes, "strength", text="")
+        column.label(text="Ctrl: erase   Shift: smooth", icon="INFO")
 
 
 def draw_guidance(column, stored):

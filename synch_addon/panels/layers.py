@@ -9,18 +9,20 @@ import numpy as np
 from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
+from ..blender.meshes import refusal
 from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.lru_cache import LruCache
+from ..jobs.queue import queue
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
+    DetailsPanel,
     SidebarPanel,
     draw_automatic,
     draw_settings,
-    draw_solver,
     draw_unready,
     property_column,
 )
@@ -33,12 +35,15 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
     """Evenly spaced layers in the solid that a closed mesh encloses"""
 
     bl_label = "Layers"
+    bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 3
 
     def draw(self, context):
         obj = solid_of(context.active_object)
         if draw_unready(self.layout, obj):
             return
+        self.layout.enabled = not queue.holds(obj)
         if obj != context.active_object:
             self.layout.label(text=translate("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
         row = self.layout.row()
@@ -46,6 +51,20 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
         row.operator("synch.layers", icon="ALIGN_JUSTIFY")
         _draw_estimate(self.layout, obj)
         draw_layers(self.layout, obj.synch_layering)
+
+
+class SYNCH_PT_layer_solver(DetailsPanel, bpy.types.Panel):
+    """How the fields of layers are optimized"""
+
+    bl_parent_id = "SYNCH_PT_layers"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and refusal(solid_of(context.active_object)) is None
+
+    @staticmethod
+    def settings(context):
+        return solid_of(context.active_object).synch_layering
 
 
 def draw_layers(layout, stored):
@@ -67,7 +86,6 @@ def draw_layers(layout, stored):
     own = {name: partial(draw_automatic, settings=stored, name=name, automatic=LENGTHS[name]) for name in LENGTHS}
     own["spacing_map"] = partial(draw_map, settings=stored, target="LAYERS")
     draw_settings(property_column(layout), stored, LayerSettings, "layers", own)
-    draw_solver(layout, stored)
 
 
 def _draw_estimate(layout, obj):
@@ -130,4 +148,6 @@ class SYNCH_OT_layer_group_remove(_GroupOperator, RemoveRow, bpy.types.Operator)
         return obj.synch_layering.groups
 
 
-register, unregister = register_all((SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers))
+register, unregister = register_all(
+    (SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers, SYNCH_PT_layer_solver)
+)

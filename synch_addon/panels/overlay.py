@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the overlay shows of an object, as points, segments and triangles: directions, defects, constrained edges,
-how far apart lines are, a loop of quads.
+how far apart lines are, a loop of quads, layers.
 
 Every function here takes an object and returns [(points, colour)] in its space: (k, 2, 3) ends of segments
 or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours.
@@ -15,7 +15,8 @@ from ...core.settings.surface import SYMMETRY_ORDERS
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
 from ..blender.pattern_surface import surface_of
-from ..blender.schema import DIRECTION, PHASES, SINGULARITY, SPACING_ERROR
+from ..blender.schema import DIRECTION, LAYER, PHASES, SINGULARITY, SPACING_ERROR
+from ..nodes.layers import layer_colors
 from ..patterns.loops import faces_of_loop, shown_edge
 
 # No more marks or streamlines than this, however dense the mesh.
@@ -113,6 +114,16 @@ def spacing_errors(obj):
     polygons = meshes.read_polygons(obj)
     corners = attributes.read_values(obj, "position", "POINT")[polygons.triangles]
     return [(corners, error_colors(errors)[polygons.triangle_faces])]
+
+
+def layer_faces(obj):
+    """The faces of layers in the colours of their material."""
+    layers = attributes.read(obj, LAYER)
+    if layers is None or not len(layers):
+        return []
+    polygons = meshes.read_polygons(obj)
+    corners = attributes.read_values(obj, "position", "POINT")[polygons.triangles]
+    return [(corners, layer_colors(layers)[polygons.triangle_faces])]
 
 
 def error_colors(errors):

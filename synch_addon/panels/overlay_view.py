@@ -22,6 +22,7 @@ from .overlay import (
     defect_points,
     direction_lines,
     direction_marks,
+    layer_faces,
     loop_faces,
     pin_points,
     spacing_errors,
@@ -37,6 +38,7 @@ _SHADERS = {"TRIS": "FLAT_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR", "POINTS": "
 
 # In the order of drawing.
 _PARTS = {
+    "LAYERS": layer_faces,
     "SPACING": spacing_errors,
     "LOOP": loop_faces,
     "MARKS": direction_marks,
@@ -101,9 +103,9 @@ class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
     """What is drawn over the active object"""
 
     bl_label = "Overlay"
-    bl_parent_id = "SYNCH_PT_fields"
+    bl_parent_id = "SYNCH_PT_result"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 5  # below the solver
+    bl_order = 2
 
     def draw_header(self, context):
         self.layout.prop(context.scene.synch_overlay, "show", text="")

@@ -8,6 +8,7 @@ from bpy.props import EnumProperty
 from ..blender.phases import pattern_kind
 from ..looks import assets
 from ..looks.presets import PRESETS
+from .look import draw_look
 from .sidebar import SettingsPanel
 
 # Items without icons, for what is shown as text.
@@ -17,13 +18,16 @@ PRESET = [(name, preset.label, preset.description) for name, preset in PRESETS.i
 class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
     """Materials in one click"""
 
-    bl_label = "Material Presets"
+    bl_label = "Look"
+    bl_parent_id = "SYNCH_PT_result"
+    bl_order = 0
     in_simple = True
 
-    def draw(self, context):
+    def draw_body(self, context):
         layout = self.layout
         layout.template_icon_view(context.scene, "synch_preset", show_labels=True, scale=5.0, scale_popup=5.0)
         layout.operator("synch.preset", text=PRESETS[context.scene.synch_preset].label, icon="MATERIAL")
+        draw_look(layout, context.active_object)
         if pattern_kind(context.active_object) == "stripes":
             layout.operator("synch.number_stripes", icon="LINENUMBERS_ON")
         if not assets.is_registered(context.preferences):

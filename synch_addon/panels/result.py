@@ -4,14 +4,12 @@
 import bpy
 
 from ..blender.defect_empties import collection_of_defects
-from ..blender.modifiers import carries, changing_modifiers
 from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
 from ..settings.fields import source_of
 from ..settings.preferences import is_simple
-from .look import draw_look
 from .sidebar import SettingsPanel, property_column
 from .thumbnails import draw_variations
 
@@ -29,6 +27,7 @@ FINDINGS = {
 
 # Operators by what they solve.
 SOLVES = {name: f"synch.{name}" for name in ("directions", "stripes", "quads", "quad_mesh")}
+PLACING = "SYNCH_OT_place_defect"
 # Energy for each vertex that is as good as none: what rounding leaves.
 PERFECT = 1e-12
 
@@ -37,58 +36,67 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     """What the last solve found"""
 
     bl_label = "Result"
+    bl_order = 3
     in_simple = True
 
     @classmethod
     def poll(cls, context):
-        result = read_result_or_empty(context.active_object.synch.result) if super().poll(context) else {}
-        return bool(result) and not (is_simple() and result["command"] == "quad_mesh")
+        return super().poll(context) and not (is_simple() and _found(context).get("command") == "quad_mesh")
 
-    def draw(self, context):
-        synch = context.active_object.synch
-        result = read_result_or_empty(context.active_object.synch.result)
-        if result["command"] != "directions":
-            draw_shading(self.layout, context)
-            draw_look(self.layout, context.active_object)
-        held = memory.holds(context.active_object)
-        if memory.is_outdated(context.active_object):
-            row = self.layout.row()
-            row.alert = True
-            text = "Mesh Changed: Solve Again"
-            again = "synch.quad_mesh_again" if source_of(context.active_object) else SOLVES[result["command"]]
-            row.operator(again, text=text, icon="FILE_REFRESH")
-        simple = is_simple()
-        if not simple:
-            draw_figures(self.layout, result, held, len(context.active_object.data.polygons))
-            draw_findings(self.layout, result.get("carrier", {}))
-        if held:
-            draw_variations(self.layout, context.active_object, result)
-        if simple:
-            draw_shown_defects(self.layout, context.active_object)
+    def draw_body(self, context):
+        layout, obj, result = self.layout, context.active_object, _found(context)
+        if not result:
+            layout.label(text="Not solved yet", icon="INFO")
             return
-        if held:
-            row = property_column(self.layout).row(align=True)
-            slider = row.row(align=True)
-            slider.enabled = memory.solve_of(context.active_object).varies
-            slider.prop(context.active_object.synch_shown, "variation")
-            row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
-            draw_cost(self.layout, context.active_object, result)
-            running = {operator.bl_idname for operator in context.window.modal_operators}
-            placing = "SYNCH_OT_place_defect" in running
-            self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR", depress=placing)
-            if result["command"] == "quads":
-                self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
         if result["command"] != "directions":
-            draw_favourites(self.layout, synch.favourites)
-            row = self.layout.row(align=True)
-            row.operator("synch.isolines", icon="MOD_CURVE")
-            row.operator("synch.relief", icon="MOD_DISPLACE")
-            if changing_modifiers(context.active_object) and not any(map(carries, context.active_object.modifiers)):
-                self.layout.operator("synch.carry", icon="MODIFIER")
-        draw_shown_defects(self.layout, context.active_object)
-        row = self.layout.row(align=True)
-        row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
-        row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+            draw_shading(layout, context)
+        if memory.is_outdated(obj):
+            row = layout.row()
+            row.alert = True
+            again = "synch.quad_mesh_again" if source_of(obj) else SOLVES[result["command"]]
+            row.operator(again, text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
+        held, simple = memory.holds(obj), is_simple()
+        if held:
+            draw_variations(layout, obj, result)
+            row = property_column(layout).row(align=True)
+            slider = row.row(align=True)
+            slider.enabled = memory.solve_of(obj).varies
+            slider.prop(obj.synch_shown, "variation")
+            row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
+            draw_cost(layout, obj, result)
+        if not simple and result["command"] != "directions":
+            draw_favourites(layout, obj.synch.favourites)
+        draw_shown_defects(layout, obj)
+        if not simple:
+            if held:
+                placing = any(operator.bl_idname == PLACING for operator in context.window.modal_operators)
+                layout.operator("synch.place_defect", icon="PIVOT_CURSOR", depress=placing)
+            row = layout.row(align=True)
+            row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
+            row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+
+
+class SYNCH_PT_figures(SettingsPanel, bpy.types.Panel):
+    """Energy, proof and counts of the last solve, and where the mesh is not a surface"""
+
+    bl_label = "Details"
+    bl_parent_id = "SYNCH_PT_result"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and bool(_found(context))
+
+    def draw_body(self, context):
+        obj, result = context.active_object, _found(context)
+        draw_figures(self.layout, result, memory.holds(obj), len(obj.data.polygons))
+        draw_findings(self.layout, result.get("carrier", {}))
+
+
+def _found(context):
+    """What the panel keeps of the active object's last solve; empty without one."""
+    return read_result_or_empty(context.active_object.synch.result)
 
 
 def draw_shown_defects(layout, obj):
@@ -185,4 +193,4 @@ def draw_figures(layout, result, held, faces):
     line(f"{result['seconds']:.2f} s, {translate_count(result['nodes'], 'vertex')}", "TIME", "time")
 
 
-register, unregister = register_all((SYNCH_PT_result,))
+register, unregister = register_all((SYNCH_PT_result, SYNCH_PT_figures))

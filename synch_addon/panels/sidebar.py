@@ -7,17 +7,19 @@ from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
-from ..blender.modifiers import is_of_filaments
+from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
+from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.queue import queue
+from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning
 from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, source_of
 from ..settings.preferences import is_simple, preferences
-from .guides import draw_guidance
+from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
@@ -47,39 +49,71 @@ def draw_settings(column, settings, kind, group, own=None):
             column.prop(settings, name)
 
 
-def draw_directions(layout, settings, obj, of_quads=False):
-    """Settings of the direction field; ``settings`` are the object's or an operator's. Quads have no symmetry."""
+# What the redo panel shows of a command's settings: what one changes after a look at the result.
+_REDONE = {
+    "directions": ("guidance", "symmetry", "angle", "boundary", "mirror", "singularities"),
+    "stripes": ("spacing", "branching", "guidance", "symmetry", "angle", "boundary", "mirror", "singularities"),
+    "quads": ("spacing", "branching", "aspect", "guidance", "angle", "boundary", "mirror", "singularities"),
+    "quad_mesh": (
+        "faces",
+        "spacing",
+        "branching",
+        "loops",
+        "guidance",
+        "angle",
+        "mirror",
+        "singularities",
+        "smoothing",
+    ),
+}
+
+
+def draw_redo(layout, operator):
+    """The settings of an operator in the redo panel."""
+    column = property_column(layout)
+    for name in _REDONE[operator.command]:
+        if name == "mirror":
+            draw_mirror(column, operator, range(3))
+        elif name != "spacing" or not getattr(operator, "faces", 0) or operator.command != "quad_mesh":
+            column.prop(operator, name)
+
+
+def draw_mirror(column, settings, axes):
+    """Axes of the mirror that can be chosen."""
+    row = column.row(align=True, heading="Mirror")
+    for axis in axes:
+        row.prop(settings, "mirror", index=axis, text="XYZ"[axis], toggle=True)
+
+
+def draw_share(column, settings, name):
+    """Branching or singularities of what the panel makes: an object keeps those of quad meshes apart."""
+    stored = MESH_NAMES[name] if settings.id_data.synch_simple.kind == "quad_mesh" else name
+    column.prop(settings, stored, text=name.capitalize())
+
+
+def draw_guide(column, settings, obj):
+    """What lines follow, beyond what stands on top."""
+    if obj.synch_simple.direction != "STROKES":
+        draw_strokes(column)
+    if obj.synch_simple.direction == "OTHER":
+        draw_guidance(column, settings)
 
     def draw_symmetry(column):
-        if not of_quads:
+        if obj.synch_simple.kind in {"directions", "stripes"}:
             column.prop(settings, "symmetry")
-
-    def draw_guides(column):
-        if hasattr(settings, "guides"):
-            draw_guidance(column, settings)
-        else:
-            column.prop(settings, "guidance")
 
     def draw_group(column):
         if settings.boundary != "FREE":
             column.prop_search(settings, "vertex_group", obj, "vertex_groups")
 
-    def draw_mirror(column):
-        row = column.row(align=True, heading="Mirror")
-        for number, axis in enumerate("XYZ"):
-            row.prop(settings, "mirror", index=number, text=axis, toggle=True)
-
-    column = property_column(layout)
-    own = {"symmetry": draw_symmetry, "guidance": draw_guides, "vertex_group": draw_group, "mirror": draw_mirror}
+    own = {"symmetry": draw_symmetry, "vertex_group": draw_group, "guidance": _skip, "mirror": _skip}
     own["angle_attribute"] = lambda column: draw_map(column, settings, "ANGLE")
+    own["singularities"] = lambda column: draw_share(column, settings, "singularities")
     draw_settings(column, settings, SurfaceSettings, "directions", own)
-    if hasattr(settings, "pins"):
-        draw_pins(column, settings, obj)
-
-
-def draw_pins(column, settings, obj):
-    """Buttons that pin faces, and what the pins cost."""
-    row = column.row(align=True, heading="Pin")
+    split = column.split(factor=0.4)
+    label, row = split.row(), split.row(align=True)
+    label.alignment = "RIGHT"
+    label.label(text="Pin Faces")
     for turns, text in ((1, "+"), (-1, "−"), (0, "0")):
         row.operator("synch.pin", text=text, translate=False).turns = turns
     if settings.pins:
@@ -88,61 +122,62 @@ def draw_pins(column, settings, obj):
             column.label(text=cost_line(obj), icon="BLANK1", translate=False)
 
 
-def draw_simple(layout, obj):
-    """What an artist sets first, and the button that makes what was chosen last."""
-    simple, settings = obj.synch_simple, obj.synch
-    if source_of(obj) is not None:
-        draw_again(layout, obj)
-        return
-    row = layout.row(align=True)
-    row.scale_y = 1.3
-    icon = layout.enum_item_icon(simple, "kind", simple.kind)
-    row.operator(f"synch.{simple.kind}", icon_value=icon)
-    row.prop(simple, "kind", text="", icon_only=True)
+def draw_main(layout, obj):
+    """What is made, the button that makes it or how far it is, and what an artist sets first."""
+    simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
+    work = next((work for work in queue.works if not work.is_quiet and _object_of(work) == obj), None)
+    column = layout.column(align=True)
+    button, row = column.row(align=True), column.row(align=True)
+    button.scale_y = 1.3
+    if work is not None:
+        draw_work(button, row, work)
+    elif again:
+        button.operator("synch.quad_mesh_again", icon="MOD_REMESH")
+        row.label(text=translate("Made of {name}", name=source_of(obj).name), icon="OBJECT_DATA", translate=False)
+    else:
+        icon = layout.enum_item_icon(simple, "kind", simple.kind)
+        button.operator(f"synch.{simple.kind}", icon_value=icon)
+        property_column(row).prop(simple, "kind")
+    layout = layout.column()
+    layout.enabled = can_set(obj)
+    draw_shape(layout, obj)
     draw_warning(layout, obj)
     column = property_column(layout)
     if simple.kind == "quad_mesh":
         column.prop(settings, "faces")
-    if simple.kind != "quad_mesh" or not settings.faces:
-        draw_automatic(column, settings, "spacing", "automatic_spacing")
-        draw_told(column, simple.kind, obj)
-    column.prop(simple, "direction")
-    if simple.direction == "AXIS":
-        column.row().prop(settings.guide, "axis", expand=True)
-    axes = {*mirror_axes(obj), *(axis for axis in range(3) if settings.mirror[axis])}
-    if axes:
-        row = column.row(align=True, heading="Mirror")
-        for axis in sorted(axes):
-            row.prop(settings, "mirror", index=axis, text="XYZ"[axis], toggle=True)
-    column.prop(settings, "mesh_branching" if simple.kind == "quad_mesh" else "branching", text="Branching")
+    if simple.kind == "quad_mesh" and not settings.faces:
+        column.label(text="0: as many as the lines give", icon="BLANK1")
+    if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
+        draw_spacing(column, simple, settings)
+    if again:
+        column.prop(settings, "loops")
+    else:
+        column.prop(simple, "direction")
+        if simple.direction == "AXIS":
+            column.row().prop(settings.guide, "axis", expand=True)
+        if simple.direction == "STROKES":
+            draw_strokes(column)
+        axes = {*mirror_axes(obj), *(axis for axis in range(3) if settings.mirror[axis])}
+        if axes:
+            draw_mirror(column, settings, sorted(axes))
+    if simple.kind != "directions":
+        draw_share(column, settings, "branching")
 
 
-def draw_again(layout, obj):
-    """The button that makes a quad mesh anew from its source, and what an artist changes for it."""
-    layout.label(text=translate("Made of {name}", name=source_of(obj).name), icon="OBJECT_DATA", translate=False)
-    row = layout.row()
-    row.scale_y = 1.3
-    row.operator("synch.quad_mesh_again", icon="MOD_REMESH")
-    settings, column = obj.synch, property_column(layout)
-    column.prop(settings, "faces")
-    if not settings.faces:
-        draw_automatic(column, settings, "spacing", "automatic_spacing")
-    column.prop(settings, "loops")
-    column.prop(settings, "mesh_branching", text="Branching")
+def draw_spacing(column, simple, settings):
+    """How far lines are apart, as a length and as lines across the object; a length that is set is no longer
+    automatic."""
+    row = column.row(align=True)
+    row.prop(simple, "lines")
+    row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
+    if settings.automatic_spacing:
+        draw_told(column, simple.kind, source_of(simple.id_data) or simple.id_data)
+    else:
+        column.prop(settings, "spacing")
 
 
-def draw_pattern(layout, settings):
-    """Settings of a pattern, below those of the directions."""
-
-    def draw_spacing(column):
-        if hasattr(settings, "automatic_spacing"):
-            draw_automatic(column, settings, "spacing", "automatic_spacing")
-            draw_told(column, "stripes", settings.id_data)
-        else:
-            column.prop(settings, "spacing")
-
-    own = {"spacing": draw_spacing, "spacing_map": lambda column: draw_map(column, settings, "SPACING")}
-    draw_settings(property_column(layout), settings, SurfaceSettings, "pattern", own)
+def _skip(column):
+    """Draw nothing of a setting that stands elsewhere."""
 
 
 def draw_automatic(column, settings, name, automatic):
@@ -150,25 +185,6 @@ def draw_automatic(column, settings, name, automatic):
     column.prop(settings, automatic)
     if not getattr(settings, automatic):
         column.prop(settings, name)
-
-
-def draw_faces(layout, settings):
-    """Which faces show the pattern."""
-    draw_settings(property_column(layout), settings, SurfaceSettings, "faces")
-
-
-def draw_quads(layout, settings):
-    """What only quads have."""
-    draw_settings(property_column(layout), settings, SurfaceSettings, "quads")
-
-
-def draw_quad_mesh(layout, settings):
-    """Settings of the mesh of quads; an object keeps some of them apart from those of patterns."""
-    column = property_column(layout)
-    draw_settings(column, settings, SurfaceSettings, "quad_mesh")
-    for name in MESH_NAMES.values():
-        if hasattr(settings, name):
-            column.prop(settings, name)
 
 
 def draw_solver(layout, settings):
@@ -190,7 +206,7 @@ def property_column(layout):
 
 
 def draw_unready(layout, obj):
-    """Say why an object can carry nothing, or that its job is on its way; whether there is either."""
+    """Say why an object can carry nothing; whether it cannot."""
     reason = refusal(obj)
     if obj is not None and any(map(is_of_filaments, obj.modifiers)):
         layout.label(text=translate("{name}: vortex filaments", name=obj.name), icon="FORCE_VORTEX", translate=False)
@@ -198,7 +214,7 @@ def draw_unready(layout, obj):
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
         layout.label(text=translate("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
-    return bool(reason) or queue.holds(obj)
+    return bool(reason)
 
 
 def draw_shape(layout, obj):
@@ -210,31 +226,33 @@ def draw_shape(layout, obj):
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
 
 
-def draw_row(layout):
-    """The job that runs with a bar, and those that wait for their turn."""
-    shown = [(place, work) for place, work in enumerate(queue.works) if not work.is_quiet]
-    for place, work in shown[:SHOWN_JOBS]:
-        link = work.job.link
-        obj = None if link is None else link.present
-        name = translate(work.label) if obj is None else f"{translate(work.label)}: {obj.name}"
+def _object_of(work):
+    """The object that a job is for, None where there is none."""
+    return None if work.job.link is None else work.job.link.present
+
+
+def draw_work(bar, row, work):
+    """How far a job is, and the buttons that end it, which stand where those that begin one do."""
+    bar.progress(factor=work.fraction, text=f"{work.fraction:.0%}  {work.times}" if work.has_begun else work.line)
+    if work.can_be_kept:
+        row.operator("synch.keep", icon="CHECKMARK")
+    text = "Cancel" if work.picture is None else "Discard"
+    row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
+
+
+def draw_others(layout, obj):
+    """The jobs that are not of an object, below all that could move for them."""
+    heard = [work for work in queue.works if not work.is_quiet]
+    others = [work for work in heard if obj is None or _object_of(work) != obj]
+    for work in others[:SHOWN_JOBS]:
+        label, of = translate(work.label), _object_of(work)
         box = layout.box().column(align=True)
-        row = box.row()
-        row.label(text=name, translate=False)
-        if place:
-            row.label(text=translate("waiting"), translate=False)
-            row.operator("synch.cancel", text="", icon="X").place = place
-            continue
-        row.label(text=work.times, translate=False)
-        box.progress(factor=work.fraction, text=work.line)
-        row = box.row(align=True)
-        if work.can_be_kept:
-            row.operator("synch.keep", icon="CHECKMARK")
-        row.operator("synch.cancel", text="" if work.picture is None else "Discard", icon="X").place = place
-    if len(shown) > 1:
-        row = layout.row()
-        if len(shown) > SHOWN_JOBS:
-            row.label(text=translate("{count} more are waiting", count=len(shown) - SHOWN_JOBS), translate=False)
-        row.operator("synch.cancel", text="Cancel All", icon="X").place = -1
+        box.label(text=label if of is None else f"{label}: {of.name}", translate=False)
+        draw_work(box.row(), box.row(align=True), work)
+    if len(others) > SHOWN_JOBS:
+        layout.label(text=translate("{count} more are waiting", count=len(others) - SHOWN_JOBS), translate=False)
+    if len(heard) > 1:
+        layout.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
 class SidebarPanel:
@@ -261,94 +279,110 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
             SYNCH_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
+        layout, obj = self.layout, context.active_object
         if preferences() is not None:
-            self.layout.row().prop(preferences(), "panel", expand=True)
-        draw_row(self.layout)
-        obj = context.active_object
-        if draw_unready(self.layout, obj) or draw_painting(self.layout, context):
-            return
-        draw_shape(self.layout, obj)
-        if is_simple():
-            draw_simple(self.layout, obj)
-            return
-        if source_of(obj) is not None:
-            draw_again(self.layout, obj)
-        column = self.layout.column(align=True)
-        column.scale_y = 1.3
-        row = column.row(align=True)
-        row.operator("synch.stripes", icon="MOD_WAVE")
-        row.operator("synch.quads", icon="MESH_GRID")
-        row = column.row(align=True)
-        row.operator("synch.directions", icon="ORIENTATION_NORMAL")
-        row.operator("synch.quad_mesh", icon="MOD_REMESH")
-        self.layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
-        if live.error:
-            self.layout.label(text=live.error, icon="ERROR", translate=False)
-        draw_warning(self.layout, obj)
-        others = len(others_selected(context))
-        if others:
-            text = translate("Copy Settings to {count} Others", count=others)
-            self.layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
+            layout.row().prop(preferences(), "panel", expand=True)
+        if draw_unready(layout, obj):
+            obj = None
+        elif not draw_painting(layout, context):
+            draw_main(layout, obj)
+            if not is_simple():
+                layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
+            if live.error:
+                layout.label(text=live.error, icon="ERROR", translate=False)
+            others = len(others_selected(context))
+            if others:
+                text = translate("Copy Settings to {count} Others", count=others)
+                layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
+        draw_others(layout, obj)
 
 
 class SettingsPanel(SidebarPanel):
-    """Mixed into panels of an object's settings, which hide while there is nothing to set."""
-
-    bl_parent_id = "SYNCH_PT_fields"
+    """Mixed into panels of an object's settings, which ``draw_body`` draws; grey while its job runs."""
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and can_set(context.active_object)
-
-
-class SYNCH_PT_directions(SettingsPanel, bpy.types.Panel):
-    """What the stripes run along"""
-
-    bl_label = "Directions"
-    bl_order = 1
+        return super().poll(context) and refusal(context.active_object) is None
 
     def draw(self, context):
+        self.layout.enabled = can_set(context.active_object)
+        self.draw_body(context)
+
+
+class SYNCH_PT_guide(SettingsPanel, bpy.types.Panel):
+    """What lines run along"""
+
+    bl_label = "Guide"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    def draw_body(self, context):
         obj = context.active_object
-        draw_directions(self.layout, obj.synch, obj)
+        draw_guide(property_column(self.layout), obj.synch, obj)
 
 
 class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
-    """How far stripes are from one another, and which faces show them"""
+    """Where lines lie, and which faces show them"""
 
     bl_label = "Pattern"
-    bl_order = 3
-
-    def draw(self, context):
-        obj = context.active_object
-        draw_pattern(self.layout, obj.synch)
-        if len(obj.data.materials) > 1:
-            draw_faces(self.layout, obj.synch)
-
-
-class SYNCH_PT_quads(SettingsPanel, bpy.types.Panel):
-    """What only quads have"""
-
-    bl_label = "Quads"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 3
+    bl_order = 2
+
+    def draw_body(self, context):
+        obj = context.active_object
+        kind, settings, column = obj.synch_simple.kind, obj.synch, property_column(self.layout)
+        own = {name: _skip for name in ("spacing", "branching", "faces", *(("loops",) if source_of(obj) else ()))}
+        own["spacing_map"] = lambda column: draw_map(column, settings, "SPACING")
+        groups = {"pattern": True, "quads": kind in {"quads", "quad_mesh"}, "quad_mesh": kind == "quad_mesh"}
+        groups["faces"] = kind != "quad_mesh" and len(obj.data.materials) > 1
+        for group in [group for group, is_meant in groups.items() if is_meant]:
+            draw_settings(column, settings, SurfaceSettings, group, own)
+
+
+class DetailsPanel(SidebarPanel):
+    """Mixed into panels of the solver's settings, which ``settings`` finds; of an object that can carry nothing, they
+    hide with the panel around them."""
+
+    bl_label = "Details"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 9
 
     def draw(self, context):
-        settings = context.active_object.synch
-        draw_quads(self.layout, settings)
-        draw_quad_mesh(self.layout, settings)
+        draw_solver(self.layout, self.settings(context))
 
 
-class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
+class SYNCH_PT_solver(DetailsPanel, bpy.types.Panel):
     """How the fields are optimized"""
 
-    bl_label = "Solver"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 4  # below the constraints
+    bl_parent_id = "SYNCH_PT_pattern"
+
+    @staticmethod
+    def settings(context):
+        return context.active_object.synch
+
+
+class SYNCH_PT_make(SidebarPanel, bpy.types.Panel):
+    """What is made of patterns, and of solids and flows"""
+
+    bl_label = "Make"
+    bl_order = 4
 
     def draw(self, context):
-        draw_solver(self.layout, context.active_object.synch)
+        draw_made(self.layout, context.active_object)
 
 
-register, unregister = register_all(
-    (SYNCH_PT_fields, SYNCH_PT_directions, SYNCH_PT_pattern, SYNCH_PT_quads, SYNCH_PT_solver)
-)
+def draw_made(layout, obj):
+    """Buttons that make lines and meshes of the pattern that an object shows."""
+    if refusal(obj) is not None or pattern_kind(obj) is None:
+        return
+    layout.enabled = can_set(obj)
+    row = layout.row(align=True)
+    row.operator("synch.isolines", text="Curves", icon="MOD_CURVE")
+    row.operator("synch.relief", icon="MOD_DISPLACE")
+    if memory.holds(obj) and pattern_kind(obj) == "quads":
+        layout.operator("synch.trace_quads", icon="MOD_REMESH")
+    if changing_modifiers(obj) and not any(map(carries, obj.modifiers)):
+        layout.operator("synch.carry", icon="MODIFIER")
+
+
+register, unregister = register_all((SYNCH_PT_fields, SYNCH_PT_guide, SYNCH_PT_pattern, SYNCH_PT_solver, SYNCH_PT_make))

@@ -12,12 +12,15 @@ from ..blender import attributes, meshes
 from ..blender.changes import changes
 from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind, read_phases
+from ..blender.schema import LAYER
 from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
 from .look import look_of
-from .overlay_view import nearer
+from .overlay_view import draw_object, nearer
 from .pattern_shader import DrawnPattern, shaders
 
+# Share of the area that lines fill where a map is painted.
+_PAINTED = 0.15
 # What is kept on the graphics card, of the objects that were drawn last, and the triangles that it was made of.
 _drawn, _triangles = LruCache(64), LruCache(64)
 
@@ -67,6 +70,13 @@ def shown_objects(context):
             yield obj
 
 
+def layer_objects(context):
+    """The objects of layers that are drawn in the view of a context."""
+    for obj in context.visible_objects:
+        if obj.type == "MESH" and obj.mode != "EDIT" and LAYER.name in obj.data.attributes:
+            yield obj
+
+
 def drawn_pattern(obj, depsgraph):
     """The :class:`DrawnPattern` of an object as its modifiers leave it, kept until it changes; None without one."""
 
@@ -99,11 +109,16 @@ class _View:
         if not shows(context):
             return
         region, depsgraph = context.region_data, context.evaluated_depsgraph_get()
+        for obj in layer_objects(context):
+            draw_object(obj, ["LAYERS"], nearer(region) @ region.view_matrix)
         for obj in shown_objects(context):
             pattern = drawn_pattern(obj, depsgraph)
             if pattern is not None:
                 view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
-                pattern.draw(view, region.window_matrix, *look_of(obj))
+                color, share = look_of(obj)
+                if obj.mode == "WEIGHT_PAINT":  # the map that is painted is seen between thin lines
+                    share = min(share, _PAINTED)
+                pattern.draw(view, region.window_matrix, color, share)
 
 
 view = _View()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tool that draws guide strokes: its place in the toolbar, its settings, and how strokes are shown meanwhile."""
+"""The tool that draws guide strokes: its place in the toolbar, and how strokes are shown meanwhile."""
 
 from functools import partial
 
@@ -8,15 +8,13 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ..blender.registration import Registration, class_steps
+from ..blender.registration import Registration
 from ..jobs.lru_cache import LruCache
 from ..patterns.guide_strokes import state_of, strokes_of
-from ..settings.preferences import is_simple
+from .guides import TOOL, is_drawing
 from .overlay import WISH_COLORS
 from .overlay_view import nearer
-from .sidebar import SettingsPanel, property_column
 
-TOOL = "synch.strokes"
 # In pixels; what is hidden by the surface is shown this strongly.
 _WIDTH, _HIDDEN = 4.0, 0.15
 
@@ -45,45 +43,6 @@ class SynchStrokesTool(bpy.types.WorkSpaceTool):
         row = layout.row()
         row.active = strokes.soft
         row.prop(strokes, "strength")
-
-
-def is_drawing(context):
-    """Whether the tool is chosen in the views of a window."""
-    tool = context.workspace.tools.from_space_view3d_mode("OBJECT", create=False)
-    return tool is not None and tool.idname == TOOL
-
-
-def _is_wanted(obj):
-    """Whether strokes are drawn for an object, which the simple panel has a choice for."""
-    return not is_simple() or obj.synch_simple.direction == "STROKES"
-
-
-class SYNCH_PT_strokes(SettingsPanel, bpy.types.Panel):
-    """Lines drawn on the surface that stripes follow"""
-
-    bl_label = "Guide Strokes"
-    bl_order = 2  # below the directions
-    in_simple = True
-
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and context.mode == "OBJECT" and _is_wanted(context.active_object)
-
-    def draw(self, context):
-        layout, drawing = self.layout, is_drawing(context)
-        text = "Done Drawing" if drawing else "Draw Strokes"
-        button = layout.operator("wm.tool_set_by_id", text=text, icon="GREASEPENCIL", depress=drawing)
-        button.name = "builtin.select_box" if drawing else TOOL
-        if not drawing:
-            return
-        strokes = context.scene.synch_strokes
-        layout.row().prop(strokes, "wish", expand=True)
-        line = property_column(layout).row(heading="Soft")
-        line.prop(strokes, "soft", text="")
-        strength = line.row()
-        strength.active = strokes.soft
-        strength.prop(strokes, "strength", text="")
-        layout.label(text="Ctrl: erase   Shift: smooth", icon="INFO")
 
 
 class _View:
@@ -159,7 +118,6 @@ def draw_lines(lines, view, pixel):
 
 view = _View()
 _registration = Registration(
-    *class_steps(SYNCH_PT_strokes),
     (
         partial(bpy.utils.register_tool, SynchStrokesTool, separator=True),
         partial(bpy.utils.unregister_tool, SynchStrokesTool),

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import bpy
 import bpy.utils.previews
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from ...core.extract.pictures.thumbnails import Seen
 from ...core.fields import Pattern
@@ -24,6 +25,8 @@ from ..patterns import memory
 MOST, ACROSS, PIXELS, SCALE = 6, 3, 128, 3.6
 # Times the best energy from which on it is not told how much.
 _MUCH = 10
+# Share of the line ends that may lie elsewhere in variations that look alike.
+_MOST_APART = 0.1
 
 
 @dataclass(frozen=True)
@@ -48,16 +51,24 @@ class Variation:
 
 @dataclass
 class Gallery:
-    """The variations of a solve, best first, as far as they are made."""
+    """The variations of a solve, best first, as far as they are made: of those that look alike the best one.
+
+    Attributes
+    ----------
+    spacing : line ends that are nearer than half of it to one another count as the same
+    """
 
     shown: Pattern
+    spacing: float
     made: list[Variation] = field(default_factory=list)
+    _ends: list[dict[int, np.ndarray]] = field(default_factory=list)
+    _tried: int = 0
     _seen: Seen | None = None
 
     @property
     def count(self):
-        """How many there will be."""
-        return min(len(self.shown.solution.variations), MOST)
+        """How many there are, or may be as long as some are not made."""
+        return min(len(self.made) + len(self.shown.solution.variations) - self._tried, MOST)
 
     def make_next(self):
         """Make one more, or what all of them are made from; whether there is more to be done."""
@@ -67,15 +78,21 @@ class Gallery:
         if self._seen is None:
             self._seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
             return True
-        varied = self.shown.showing(solution.variations[len(self.made)])
-        defects, dots = varied.dislocations, []
+        number, varied = self._tried, self.shown.showing(solution.variations[self._tried])
+        self._tried += 1
+        defects, dots, ends = varied.dislocations, [], {}
         for colour, sign in zip(COLORS["dislocation"], (1, -1), strict=True):
-            dots.append(([d.triangle for d in defects if sign * d.index > 0], _seen_colour(colour)))
+            triangles = [d.triangle for d in defects if sign * d.index > 0]
+            dots.append((triangles, _seen_colour(colour)))
+            ends[sign] = mesh.vertices[mesh.triangles[triangles]].mean(axis=1)
+        if any(_are_alike(ends, others, self.spacing) for others in self._ends):
+            return len(self.made) < self.count
+        self._ends.append(ends)
         ink = self._seen.ink(varied.edge_phases)
         picture = self._seen.picture(_seen_colour(INK_BLUE), _seen_colour(WARM_IVORY), ink, dots)
         energy = varied.energy
         more = energy / solution.energy - 1 if solution.energy > 0 else 0.0
-        self.made.append(Variation(len(self.made), energy, more, len(defects), picture))
+        self.made.append(Variation(number, energy, more, len(defects), picture))
         return len(self.made) < self.count
 
 
@@ -107,7 +124,7 @@ class _Galleries:
             return None
         found = self._kept.get(obj.session_uid)
         if found is None or found.shown.solution is not shown.solution:
-            found = Gallery(shown)
+            found = Gallery(shown, memory.solve_of(obj).request.spacing)
             self._kept.put(obj.session_uid, found)
         if len(found.made) < found.count:
             self._wanted = found
@@ -157,6 +174,7 @@ def draw_variations(layout, obj, result):
             cell.label(text="…", translate=False)
             continue
         variation = gallery.made[number]
+        number = variation.number
         cell.template_icon(icon_value=galleries.icon(obj, variation), scale=SCALE)
         text = f"{_cost(variation)}·{variation.defects}"
         is_shown = obj.synch_shown.variation == number and math.isclose(result["energy"], variation.energy)
@@ -170,6 +188,18 @@ def _cost(variation):
     if variation.more >= _MUCH - 1:
         return f">{_MUCH}×"
     return f"+{variation.more:.{int(variation.more < 0.1)}%}"
+
+
+def _are_alike(first, second, spacing):
+    """Whether most line ends of two variations, by their signs, are near to one of the other."""
+    apart = []
+    for sign in first:
+        if (len(first[sign]) == 0) != (len(second[sign]) == 0):
+            return False
+        if len(first[sign]):
+            distances = cdist(first[sign], second[sign])
+            apart += [*distances.min(axis=0), *distances.min(axis=1)]
+    return np.mean(np.array(apart) > spacing / 2) <= _MOST_APART if apart else True
 
 
 def _seen_colour(colour):

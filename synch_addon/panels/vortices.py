@@ -11,15 +11,16 @@ from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_shape
 from ..flows.files import can_export
-from .sidebar import SidebarPanel, draw_solver, property_column
+from .sidebar import DetailsPanel, SidebarPanel, property_column
 
 
 class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
     """Vortex filaments and tubes of a flow in space"""
 
     bl_label = "Vortices"
+    bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 10
+    bl_order = 4
 
     def draw(self, context):
         settings = context.scene.synch_vortices
@@ -28,6 +29,16 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
         column = self.layout.column()
         column.scale_y = 1.3
         column.operator("synch.clebsch", icon="FORCE_VORTEX")
+
+
+class SYNCH_PT_vortex_solver(DetailsPanel, bpy.types.Panel):
+    """How the map of a flow is optimized"""
+
+    bl_parent_id = "SYNCH_PT_vortices"
+
+    @staticmethod
+    def settings(context):
+        return context.scene.synch_vortices
 
 
 class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
@@ -70,7 +81,6 @@ def draw_vortices(layout, settings):
         row = column.row(align=True)
         row.prop(settings, "frame_start", text="First, Last")
         row.prop(settings, "frame_end", text="")
-    draw_solver(layout, settings)
 
 
 def draw_estimate(layout, context, settings):
@@ -122,4 +132,4 @@ def draw_choice(layout, look):
     column.operator("synch.best_vortices", icon="LOOP_BACK")
 
 
-register, unregister = register_all((SYNCH_PT_vortices, SYNCH_PT_vortex_result))
+register, unregister = register_all((SYNCH_PT_vortices, SYNCH_PT_vortex_solver, SYNCH_PT_vortex_result))

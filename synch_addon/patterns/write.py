@@ -7,7 +7,7 @@ from mathutils import Vector
 from ...core.interpolate import face_phases
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
-from ..blender.pattern_surface import surface_of
+from ..blender.pattern_surface import shows_vertices_first, surface_of
 from ..blender.transaction import assign, at_the_end, store
 from ..nodes.materials import SPACING, pattern_material
 
@@ -35,7 +35,8 @@ def results(obj, request, field, pattern, report):
             f"{len(defects)} defects, and an empty for none of them (from {MOST_EMPTIES} on Blender takes long for "
             "each): the overlay draws them, the report lists them"
         )
-    write_defects(obj, defects if len(defects) <= MOST_EMPTIES else [], kinds=kinds, length=spacing)
+    mesh = surface.data if shows_vertices_first(obj) else None
+    write_defects(obj, defects if len(defects) <= MOST_EMPTIES else [], kinds=kinds, length=spacing, mesh=mesh)
     if pattern is not None:
         all_faces = report.settings.assign_material or has_one_material(surface)
         pattern_material(surface, request.command, spacing=spacing, assign_faces=all_faces)

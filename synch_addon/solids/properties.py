@@ -74,7 +74,7 @@ class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
         name="Automatic Spacing", description="As many layers as the resolution carries, forty at most", default=True
     )
     automatic_size: BoolProperty(
-        name="Automatic Resolution",
+        name="Automatic Size",
         description="About a hundred thousand tetrahedra, or more where the spacing needs them",
         default=True,
     )

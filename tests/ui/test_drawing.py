@@ -33,7 +33,7 @@ def ball(panel):
     """A ball in the middle of the view, and the panel."""
     add_ball(panel, 5)
     panel.run(STROKES)
-    panel.run("bpy.ops.ed.undo_push(message='ball')")
+    panel.run("active().synch_simple.direction = 'STROKES'; area().tag_redraw(); bpy.ops.ed.undo_push(message='ball')")
     return panel
 
 
@@ -149,6 +149,7 @@ def test_panels_are_not_cut_off(ball, keep):
 
 def test_a_map_is_painted_and_solved(ball, keep):
     ball.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
+    ball.click("Pattern")
     ball.scroll_to("Spacing Map")
     keep("paint_button", ball.picture("UI"))
     y = ball.wait_for("Spacing Map")[1]

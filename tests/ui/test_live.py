@@ -33,7 +33,8 @@ def test_stripes_follow_an_angle_that_is_dragged(panel, keep):
     panel.until("active().synch.result")
     panel.click("Live")
     assert panel.value("bpy.context.window_manager.synch_live")
-    panel.scroll_to("Branching")
+    panel.click("Guide")
+    panel.scroll_to("Singularities")
     x, y = panel.wait_for("Angle")  # and below it the map's
     panel.move((x + 130, y))
     panel.hold()

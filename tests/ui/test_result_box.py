@@ -3,7 +3,7 @@
 """The box "Result" in a real window: the look, what is said of the mesh, and the defects that one click hides."""
 
 from .test_solid_view import inked, is_inked
-from .test_window import add_ball, solved
+from .test_window import add_ball, figures, result, solved
 
 
 def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
@@ -11,6 +11,7 @@ def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.8")
     solved(panel)
     half = inked(panel.wait_to_see(is_inked, "WINDOW"))
+    panel.scroll_to("Width")
     width = panel.wait_for("Width")
     panel.move(width)
     panel.hold()
@@ -26,7 +27,9 @@ def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
     panel.wait_to_see(is_thinner, "WINDOW")
     keep("look", panel.picture())
 
+    figures(panel, result(panel))
     panel.wait_for(panel.says("{length} apart on {count:,} faces", length="80 cm", count=1280))
+    panel.scroll_to("Show Defects", up=True)
     panel.click("Show Defects")
     panel.until("all(not empty.visible_get() for empty in active().children)")
     assert panel.value("len(active().children)") > 0

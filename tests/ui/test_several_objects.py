@@ -28,3 +28,6 @@ def test_one_click_solves_all_selected_objects_and_one_cancels_them(panel, keep)
     angles = sorted(json.loads(result)["settings"].get("angle", 0.0) for result in results)
     assert [round(angle, 3) for angle in angles] == [0.0, 0.5, 0.5]
     keep("several_done", panel.picture())
+    panel.move((700, 500))
+    panel.press("Z", ctrl=True)  # one step for one click
+    panel.until("not any(obj.synch.result for obj in bpy.data.objects)")

@@ -41,9 +41,9 @@ def test_the_first_page_from_suzanne_to_stripes_a_texture_and_quads(as_delivered
 
     blender.scroll_to("Simple", up=True)
     blender.click("Simple")
-    button = blender.wait_for("Stripes")
+    label = blender.wait_for("Kind")
     x, _, width, _ = blender.region()
-    blender.click((x + 0.8 * width, button[1]))  # the list's arrow
+    blender.click((x + 0.6 * width, label[1]))
     keep("start_list", blender.picture())
     blender.press("THREE")  # the third of the list; its underlined letter differs between languages
     blender.click("Quad Mesh")

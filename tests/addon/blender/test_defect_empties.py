@@ -6,9 +6,11 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import left_defects
 from synch_fields.synch_addon.blender.defect_empties import defect_empties, write_defects
 
+from ..scenes import sphere
 from ..single_faces import FACES, some_defects
 
 EMPTY_NAMES = ["disclination +1/2.001", "disclination -1/2.001", "dislocation +1.001"]
@@ -105,3 +107,27 @@ def test_the_collection_of_a_deleted_object_goes_with_its_empties():
     bpy.data.objects.remove(obj)
     left_defects.remove_left_defects()
     assert not bpy.data.objects and not bpy.data.collections
+
+
+def test_empties_follow_the_faces_where_modifiers_bend_them():
+    obj = sphere()
+    obj.scale, obj.rotation_euler = (1, 2, 1.5), (0.3, 0.4, 0.5)
+    api.stripes(obj, spacing=0.5, surface="faces")
+    bpy.context.view_layer.update()
+    found = defect_empties(obj)
+    assert found and all(empty.parent_type == "VERTEX_3" for empty in found)
+    for empty in found:  # their location stays that in the object's space
+        place = obj.matrix_world @ empty.location
+        assert np.allclose(empty.matrix_world.translation, place, atol=1e-5)
+    obj.modifiers.new("Array", "ARRAY")
+    bend = obj.modifiers.new("Twist", "SIMPLE_DEFORM")
+    bend.deform_method, bend.angle = "TWIST", 2.0
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    seen = obj.evaluated_get(depsgraph).data
+    for empty in found:
+        corners = [obj.matrix_world @ seen.vertices[v].co for v in obj.data.polygons[empty["synch_face"]].vertices]
+        middle = sum(corners, Vector()) / len(corners)
+        assert (empty.matrix_world.translation - middle).length < 0.05
+    obj.modifiers.new("Remesh", "REMESH")
+    api.stripes(obj, spacing=0.45, surface="faces")
+    assert all(empty.parent_type == "OBJECT" for empty in defect_empties(obj))

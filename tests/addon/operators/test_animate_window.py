@@ -13,6 +13,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.operators import field_operator
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
@@ -98,3 +99,21 @@ def test_operator_and_command_line_give_the_same(tmp_path):
     assert [figures["frame"] for figures in report["frames"]] == [1, 2] and report["pattern"] == "stripes"
     again = save_and_reopen(path, obj.name)
     np.testing.assert_allclose(attribute(seen(again, 2), "synch_phase"), wanted, atol=1e-3)
+
+
+def test_of_the_jobs_of_one_click_the_last_makes_the_step_for_undo(monkeypatch):
+    pushed = []
+    monkeypatch.setattr(field_operator, "push_undo", lambda message: pushed.append(message))
+    done, stopped = {"FINISHED"}, {"CANCELLED"}
+    for results, last, steps in (
+        ([done], done, []),
+        ([stopped], stopped, []),
+        ([done, done, done], done, []),
+        ([stopped, done], done, []),
+        ([done, stopped], stopped, ["Stripes"]),
+    ):
+        click = field_operator.Click()
+        for _ in results:
+            click.begin()
+        ended = [click.end(result, "Stripes") for result in results]
+        assert ended == [*[stopped] * (len(results) - 1), last] and pushed == steps

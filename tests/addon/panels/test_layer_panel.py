@@ -7,11 +7,16 @@ from types import SimpleNamespace
 from unittest.mock import MagicMock
 
 import bpy
+import numpy as np
 import pytest
 
 from synch_fields.core.geometry.filling.lengths import estimate
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import attributes
+from synch_fields.synch_addon.blender.schema import LAYER
+from synch_fields.synch_addon.nodes.layers import layer_colors
 from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
+from synch_fields.synch_addon.panels import overlay
 from synch_fields.synch_addon.panels.layers import SYNCH_PT_layers
 from synch_fields.synch_addon.solids import memory
 from synch_fields.synch_addon.solids.properties import LENGTHS, LayerProperties, SynchLayering
@@ -94,3 +99,15 @@ def test_the_panel_of_an_empty_scene_says_what_to_select():
     bpy.context.view_layer.objects.active = None
     assert drawn()[0] == ["No active object: select a mesh object"]
     assert SynchLayering.bl_rna.properties["guide"].description
+
+
+def test_solid_view_shows_layers_in_the_colours_of_their_material():
+    obj = block()
+    shown = made(api.layers(obj, spacing=0.3, size=0.14))
+    ((corners, colours),) = overlay.layer_faces(shown)
+    layers = attributes.read(shown, LAYER)
+    assert corners.shape == (len(shown.data.polygons), 3, 3) and colours.shape == (len(corners), 4)
+    assert len(np.unique(colours, axis=0)) == len(np.unique(layers)) > 2
+    every = layer_colors(np.arange(41))[:, :3].sum(axis=1)  # every other one is darker than both beside it
+    assert (every[1::2] < np.minimum(every[:-1:2], every[2::2])).all()
+    assert overlay.layer_faces(obj) == []

@@ -13,6 +13,7 @@ from mathutils import Vector
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
+from synch_fields.synch_addon.patterns.refine import expected_spacing
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
@@ -46,15 +47,17 @@ def test_all_but_a_few_panels_hide(chosen):
     obj = sphere()
     api.stripes(obj, spacing=0.5)
     few = {"fields", "result", "material_presets"}
-    assert panels() == few if chosen == "SIMPLE" else panels() > few | {"directions", "solver", "layers", "overlay"}
-    obj.synch_simple.direction = "STROKES"
-    assert "strokes" in panels()
+    assert (
+        panels() == few
+        if chosen == "SIMPLE"
+        else panels() > few | {"guide", "pattern", "make", "solver", "figures", "layers", "overlay"}
+    )
 
 
 @pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
 def test_there_is_one_button_and_it_makes_what_was_chosen(chosen):
     obj = sphere()
-    for kind in ("stripes", "quads", "quad_mesh"):
+    for kind in ("stripes", "quads", "quad_mesh", "directions"):
         obj.synch_simple.kind = kind
         names = drawn()
         assert names.count(f"synch.{kind}") == 1
@@ -62,7 +65,8 @@ def test_there_is_one_button_and_it_makes_what_was_chosen(chosen):
             set(names) - {f"synch.{kind}"}
         )
         assert {"panel", "kind", "direction"} <= set(names)
-    assert "faces" in drawn() and "automatic_spacing" in drawn()
+    obj.synch_simple.kind = "quad_mesh"
+    assert {"faces", "automatic_spacing", "mesh_branching"} <= set(drawn())
     obj.synch.faces = 500
     assert "automatic_spacing" not in drawn()
 
@@ -73,6 +77,17 @@ def test_a_spacing_that_is_no_longer_automatic_begins_at_the_one_that_was_used()
     assert obj.synch.spacing == used and obj.synch.automatic_spacing
     obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
     assert api.stripes(obj, spacing=0.5) and obj.synch.spacing == pytest.approx(0.4)
+
+
+def test_lines_across_and_spacing_say_the_same():
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    expected = expected_spacing("stripes", obj)
+    assert stored.automatic_spacing and simple.lines == pytest.approx(max(obj.dimensions) / expected)
+    simple.lines = 10
+    assert not stored.automatic_spacing and stored.spacing == pytest.approx(max(obj.dimensions) / 10)
+    simple.kind = "quads"
+    assert simple.lines == pytest.approx(20)  # two lines to a period
 
 
 def test_a_direction_is_what_the_settings_say():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.panels.thumbnails import MOST, galleries
+from synch_fields.synch_addon.panels.thumbnails import MOST, Gallery, _are_alike, galleries
 from synch_fields.synch_addon.patterns import memory
 
 from ..scenes import sphere, torus
@@ -26,10 +26,11 @@ def test_they_tell_what_the_variations_have(command):
     steps = 1
     while gallery.make_next():
         steps += 1
-    assert steps == gallery.count + 1  # what is seen, and each picture
+    found = memory.solve_of(obj).pattern.solution.variations
+    assert steps == 1 + (len(found) if len(gallery.made) < MOST else gallery._tried)  # what is seen, and each one
     best = api.vary(obj, 0)["energy"]
-    for number, variation in enumerate(gallery.made):
-        report = api.vary(obj, number)
+    for variation in gallery.made:
+        report = api.vary(obj, variation.number)
         assert variation.energy == pytest.approx(report["energy"])
         assert variation.more == pytest.approx(report["energy"] / best - 1, abs=1e-9)
         assert variation.defects == len(report["dislocations"])
@@ -38,6 +39,22 @@ def test_they_tell_what_the_variations_have(command):
     pictures = np.array([variation.picture for variation in gallery.made])
     assert len(np.unique(pictures.reshape(len(pictures), -1), axis=0)) == len(pictures)
     assert galleries.of(obj) is gallery  # what is shown changed, not the solve
+
+
+def test_variations_that_look_alike_are_one():
+    """A field whose line ends lie within half a spacing of those of a better one is not shown again."""
+    ends = {1: np.array([[0.0, 0, 0], [5, 0, 0]]), -1: np.array([[0.0, 3, 0]])}
+    moved = {sign: places + 0.1 for sign, places in ends.items()}
+    assert _are_alike(ends, moved, 0.4) and not _are_alike(ends, moved, 0.1)
+    assert not _are_alike(ends, {1: ends[1], -1: np.empty((0, 3))}, 10.0)
+    obj = torus()
+    api.stripes(obj, spacing=0.3)
+    shown = galleries.of(obj).shown
+    every, alike = Gallery(shown, -1.0), Gallery(shown, 100.0)
+    for one in (every, alike):
+        while one.make_next():
+            pass
+    assert len(alike.made) < len(every.made) == MOST
 
 
 def test_there_is_a_gallery_for_each_solve_and_none_without_variations():
@@ -64,4 +81,4 @@ def test_icons_that_are_being_drawn_stay_where_others_make_room():
     for variation in gallery.made:
         galleries.icon(obj, variation)
     assert gallery.count >= 2 and len(galleries._icons) < memory.MOST * MOST
-    assert {f"{obj.session_uid} {number}" for number in range(gallery.count)} <= galleries._icons.keys()
+    assert {f"{obj.session_uid} {variation.number}" for variation in gallery.made} <= galleries._icons.keys()

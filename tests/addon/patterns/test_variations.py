@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One solve, many results: variations, placed defects, the mesh of the quads that are shown."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.solution import COARSE, Options
 from synch_fields.core.solve import solve
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.operators.variations import SYNCH_OT_place_defect
 from synch_fields.synch_addon.patterns import memory
 
 from ..quad_meshes import corner_vertices
@@ -69,6 +72,18 @@ def test_a_placed_defect_is_in_a_face_at_the_vertex(build, command):
         numbers = [attribute(obj, n)[faces] for name in names for n in (name, f"{name}_2") if n in obj.data.attributes]
         around = attribute(obj, torn)[faces] if torn in obj.data.attributes else np.zeros(1)
         assert np.any(numbers) or np.any(around), vertex
+
+
+def test_what_a_defect_costs_is_told_before_the_click():
+    obj = sphere()
+    before = SOLVES["stripes"](obj)
+    operator = SimpleNamespace(_vertices=[], _foretold=None, _is_slow=False)
+    surface = SimpleNamespace(vertex_at=lambda *ray: 11)
+    line = SYNCH_OT_place_defect.foretell(operator, obj, surface, (None, None))
+    assert SYNCH_OT_place_defect.foretell(operator, obj, surface, (None, None)) is None  # it is told already
+    after = api.place_defects(obj, [11])
+    ends = len(after["dislocations"]) - len(before["dislocations"])
+    assert line == f"Here: {ends:+} line ends, {after['energy'] / before['energy'] - 1:+.1%} energy"
 
 
 def test_what_was_shown_comes_back_as_it_was():

@@ -4,9 +4,12 @@
 import math
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
+from ...core.refinement.spacing import lines_in_period
 from ..blender.registration import register_all
+from ..patterns.refine import expected_spacing
+from ..settings.fields import source_of
 
 # What each direction asks of the settings: guidance, and the angle by which it is turned.
 _DIRECTIONS = {
@@ -16,21 +19,24 @@ _DIRECTIONS = {
     "STROKES": ("SMOOTH", 0.0),
 }
 _DIRECTION_ITEMS = (
-    ("SMOOTH", "Smooth", "Lines that turn as little as the shape allows (the smoothest direction field)", 0),
+    ("SMOOTH", "Smoothest", "Lines that turn as little as the shape allows (the smoothest direction field)", 0),
     ("CURVATURE", "Along Curvature", "Lines along ridges, where the surface bends least (principal directions)", 1),
     ("AXIS", "Around an Axis", "Rings around an axis of the object", 2),
     ("STROKES", "Strokes", "Lines that you draw on the surface", 3),
-    ("OTHER", "As in Advanced", "What the settings under Advanced ask for", 4),
+    ("OTHER", "Other Guides", "What the box Guide under Advanced asks for", 4),
 )
 _KIND_ITEMS = (
     ("stripes", "Stripes", "Even stripes over the surface", "MOD_WAVE", 0),
     ("quads", "Quads", "A grid of squares over the surface", "MESH_GRID", 1),
     ("quad_mesh", "Quad Mesh", "A new mesh of quads, and the object is hidden", "MOD_REMESH", 2),
+    ("directions", "Directions", "A direction at each vertex, without lines", "ORIENTATION_NORMAL", 3),
 )
 
 
 def _get_direction(simple):
     stored = simple.id_data.synch
+    if simple.others:
+        return len(_DIRECTIONS)
     asked = stored.guidance, stored.angle
     for number, (name, (guidance, angle)) in enumerate(_DIRECTIONS.items()):
         if asked[0] == guidance and math.isclose(asked[1], angle, abs_tol=1e-6):
@@ -39,6 +45,7 @@ def _get_direction(simple):
 
 
 def _set_direction(simple, number):
+    simple.others = number == len(_DIRECTIONS)
     if number < len(_DIRECTIONS):
         name = list(_DIRECTIONS)[number]
         simple.draws = name == "STROKES"
@@ -46,10 +53,27 @@ def _set_direction(simple, number):
         stored.guidance, stored.angle = _DIRECTIONS[name]
 
 
+def _size(simple):
+    """Distance in the scene that a count of lines for which it is one would give, 0 for an object without extent."""
+    return max(simple.id_data.dimensions) * lines_in_period(simple.kind)
+
+
+def _get_lines(simple):
+    obj, stored = simple.id_data, simple.id_data.synch
+    told = expected_spacing(simple.kind, source_of(obj) or obj) if stored.automatic_spacing else stored.spacing
+    return _size(simple) / told if told else 0.0
+
+
+def _set_lines(simple, count):
+    stored = simple.id_data.synch
+    if _size(simple) > 0:
+        stored.spacing, stored.automatic_spacing = _size(simple) / count, False
+
+
 class SynchSimple(bpy.types.PropertyGroup):
     """What the simple panel makes of an object."""
 
-    kind: EnumProperty(name="Make", description="What the button makes", items=_KIND_ITEMS)
+    kind: EnumProperty(name="Kind", description="What the button makes", items=_KIND_ITEMS)
     direction: EnumProperty(
         name="Direction",
         description="What lines follow",
@@ -58,6 +82,18 @@ class SynchSimple(bpy.types.PropertyGroup):
         set=_set_direction,
     )
     draws: BoolProperty(name="Strokes", description="Whether lines follow strokes that are drawn")
+    others: BoolProperty(name="Other Guides", description="Whether lines follow the guides under Advanced")
+    lines: FloatProperty(
+        name="Lines Across",
+        description="About how many lines lie across the longest side of the object, which sets their distance",
+        get=_get_lines,
+        set=_set_lines,
+        min=0.1,
+        soft_min=4,
+        soft_max=200,
+        precision=0,
+        step=100,
+    )
 
 
 register, unregister = register_all((SynchSimple,), (bpy.types.Object, "synch_simple", SynchSimple))

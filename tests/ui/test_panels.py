@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels at their default width: all of them open in a picture, nothing cut off, nothing that moves while a job
+runs."""
+
+import time
+
+import numpy as np
+import pytest
+
+from .conftest import SPEAK, _installed
+from .test_window import add_ball
+
+# Shows all panels open, as a click on the title of each would.
+_OPEN = """
+for name in [name for name in dir(bpy.types) if name.startswith("SYNCH_PT_")]:
+    kind = getattr(bpy.types, name)
+    if hasattr(kind, "bl_options") and name != "SYNCH_PT_presets":
+        kind.bl_options = kind.bl_options - {"DEFAULT_CLOSED"}
+names = part("panels")
+names.unregister(); names.register()
+"""
+PANEL = "part('settings.preferences').preferences().panel = {!r}; area().tag_redraw()"
+
+
+@pytest.fixture(scope="module")
+def tall(tmp_path_factory):
+    """A window that is high enough for all panels at once."""
+    with _installed(tmp_path_factory.mktemp("tall"), (800, 3200)) as blender:
+        blender.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
+        blender.run(SPEAK)
+        blender.run(_OPEN)
+        blender.open_panel()
+        add_ball(blender, 3)
+        blender.run("area().spaces[0].overlay.show_overlays = False; view().view_location = 9, 9, 0")
+        yield blender
+
+
+def panels(blender):
+    """The sidebar as far down as it shows something."""
+    blender.move((5, 5))
+    blender.run("area().tag_redraw()")
+    time.sleep(1)
+    picture = blender.picture("UI")
+    rows = np.flatnonzero(np.isin(picture[:, 12, 0], (54, 61)))  # the greys of panels
+    return picture[: rows[-1] + 8]
+
+
+def in_columns(pictures, height=1010):
+    """Tall pictures side by side, cut into columns at rows where nothing is drawn."""
+    columns = []
+    for picture in pictures:
+        body = picture[:, :265]
+        quiet = np.flatnonzero((body[:, 14:250].std(axis=1) < 1.5).all(axis=1))
+        start = 0
+        while start < len(body):
+            last = quiet[(quiet > start) & (quiet < start + height)].max()
+            stop = len(body) if len(body) <= start + height else last
+            columns.append(np.full((height, body.shape[1], 3), 61, np.uint8))
+            columns[-1][: stop - start] = body[start:stop]
+            start = stop
+    return np.concatenate(columns, axis=1)
+
+
+@pytest.mark.parametrize("kind", ["quads", "quad_mesh", "directions"])
+def test_what_only_a_kind_has_is_shown_with_it(tall, kind):
+    tall.run(f"active().synch_simple.kind = {kind!r}")
+    tall.run(PANEL.format("ADVANCED"))
+    tall.wait_for("Surface")
+    for text, kinds in (
+        ("Face Count", ["quad_mesh"]),
+        ("Aspect", ["quads", "quad_mesh"]),
+        ("Symmetry", ["directions"]),
+    ):
+        assert tall.shows(text) == (kind in kinds), text
+
+
+def test_nothing_moves_while_a_job_runs(tall, keep):
+    tall.run("active().synch_simple.kind = 'stripes'; active().synch_simple.lines = 8")
+    tall.run(PANEL.format("ADVANCED"))
+    names = ("Direction", "Singularities", "Pattern")
+    before = [tall.wait_for(name)[1] for name in names]
+    tall.click("Stripes")
+    tall.until("part('jobs.queue').queue.running is not None")
+    seen = []
+    while tall.value("part('jobs.queue').queue.running is not None"):
+        seen.append([tall.wait_for(name)[1] for name in names])
+    tall.until("bool(active().synch.result)")
+    after = [tall.wait_for(name)[1] for name in names]
+    assert seen and all(np.allclose(places, before) for places in (*seen, after))
+    gallery = "part('panels.thumbnails').galleries.of(active())"
+    kept = []
+    for choice in ("SIMPLE", "ADVANCED"):
+        tall.run(PANEL.format(choice))
+        tall.wait_for("Variation")
+        tall.until(f"len({gallery}.made) == {gallery}.count")
+        kept.append(panels(tall))
+    keep("panels", in_columns(kept))
