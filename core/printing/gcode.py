@@ -118,7 +118,7 @@ def gcode(course, machine):
     for bead, (level, kind) in enumerate(zip(levels.tolist(), kinds, strict=True)):
         first, stop = moves.begins[bead], moves.begins[bead + 1]
         target, angles = moves.places[first], moves.angles[first]
-        rows += writer.travel(target, angles, top, level == before, _NEAR * course.step, moves.reach, clearances[bead])
+        rows += writer.travel(target, angles, top, level == before, moves.reach, clearances[bead])
         if level != before:
             height = course.heights[course.runs[bead]].mean()
             rows += [";LAYER_CHANGE", f";Z:{target[2]:.3f}", f";LAYER:{level}", f";HEIGHT:{height:.3f}"]
@@ -299,7 +299,7 @@ class _Moves:
 
     def clearances(self, course, machine):
         """(l,) how far what is printed near the way to each bead's begin reaches above the ends of this way, along the
-        tool."""
+        tool; infinite for long ways."""
         ends, first = self.begins[1:-1] - 1, self.begins[1:-1]
         along = np.diff(self.points, axis=0)
         counts = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / course.step).astype(int), 1)
@@ -317,7 +317,8 @@ class _Moves:
             np.einsum("kx,kx->k", obstacles[met] - begins[row], tools[ends[row]]),
             np.einsum("kx,kx->k", obstacles[met] - targets[row], tools[first[row]]),
         )
-        is_printed, found = piece[met] < first[row], np.zeros(len(course.runs))
+        is_printed, found = piece[met] < first[row], np.full(len(course.runs), np.inf)
+        found[1 + near] = 0
         np.maximum.at(found, 1 + row[is_printed], over[is_printed])
         return found
 

@@ -24,9 +24,9 @@ class ProgramWriter:
         self._drawn, self._total, self._written = False, 0.0, 0.0
         self._last_z, self._kind, self._size = "", "", np.full(2, np.inf)
 
-    def travel(self, place, angles, top, is_same_layer, near, reach, clearance):
+    def travel(self, place, angles, top, is_same_layer, reach, clearance):
         """To the begin of a bead: beside the last one, above it and what reaches over it by a clearance, or above all
-        that is printed."""
+        that is printed where this is infinite."""
         machine = self._machine
         if self._is_home:
             self._is_home = False
@@ -37,11 +37,11 @@ class ProgramWriter:
         distance = np.linalg.norm(place - self._place)
         turned = np.radians(np.abs(angles - self._angles).max(initial=0))
         is_level = clearance <= _LEVEL * self._size[1]
-        if is_same_layer and is_level and distance <= machine.hop and turned * reach < 0.5 * near:
+        if is_same_layer and is_level and distance <= machine.hop and turned * reach < 2 * machine.lift:
             return self._rapid(place, angles)
-        up = np.array([0, 0, machine.lift + clearance])
+        up = np.array([0, 0, machine.lift + (clearance if np.isfinite(clearance) else 0)])
         # A turn lets the tip leave the straight way by so much.
-        is_far = not is_same_layer or distance > near or reach * turned**2 / 8 > machine.lift / 2
+        is_far = not is_same_layer or np.isinf(clearance) or reach * turned**2 / 8 > machine.lift / 2
         rows = self._draw_back()
         high = top + machine.lift
         if is_far:

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tool paths as beads, while they are printed: a curved shell, a bent bar and the rocker-arm.
+"""Tool paths as beads, while they are printed: a curved shell, a bent bar, a ring, a cup, the bunny, the rocker-arm.
 
     python docs/make/printing.py MESHES [--folder docs]
 
 Each bead is as wide and as high as the program of the printer has it, in the colour of its height: dark blue where it
 is half as high as the layers are apart, sand where it is as high, red where it is half as high again. MESHES holds
-rocker-arm.obj. Needs Blender as a module (bpy).
+bunny.mesh and rocker-arm.obj. Needs Blender as a module (bpy).
 """
 
 import bpy
 import numpy as np
 
 from synch_fields.bench.command import arguments
-from synch_fields.bench.printing import bent_bar, curved_shell, placed, upright
+from synch_fields.bench.printing import bunny, placed, upright
+from synch_fields.bench.solid_shapes import bent_bar, cup, curved_shell, ring
 from synch_fields.core.printing.machine import Machine
 from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.docs.make.sheets import beside, make_pictures
@@ -41,14 +42,17 @@ COLORS = [
 
 def main():
     """Make the picture."""
-    make_pictures(arguments(__doc__, "rocker-arm.obj", "the picture goes"), {"printing": printing})
+    make_pictures(arguments(__doc__, "bunny.mesh and rocker-arm.obj", "the picture goes"), {"printing": printing})
 
 
 def printing(options, folder, path):
-    """The three solids side by side."""
+    """The six solids, three side by side."""
     shapes = {
         "shell": (curved_shell(), "ac", 26, 0.8, (-28, 34)),
         "bar": (bent_bar(), "ac", 26, 0.86, (-38, 24)),
+        "ring": (wavy_ring(), "ac", 26, 0.8, (-28, 34)),
+        "cup": (cup(), "xyz", 40, 0.72, (-28, 34)),
+        "bunny": (bunny(options.meshes), "xyz", 44, 0.8, (-28, 20)),
         "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 44, 0.75, (-32, 42)),
     }
     tiles = []
@@ -61,7 +65,19 @@ def printing(options, folder, path):
         tiles.append(folder / f"{label}.png")
         beads = beads_object(plan, share, spacing)
         render_picture(beads, tiles[-1], resolution=TILE, samples=SAMPLES, markers=False, view=view)
-    beside(tiles, path)
+    rows = [folder / "upper.png", folder / "lower.png"]
+    for row, three in zip(rows, (tiles[:3], tiles[3:]), strict=True):
+        beside(three, row)
+    beside(rows, path, vertical=True)
+
+
+def wavy_ring():
+    """The ring of :mod:`bench.solid_shapes`, from its flat bottom to its wavy top."""
+    shape = ring(48, 12, 8)
+    surface, used = shape.mesh.boundary_surface
+    groups = {"Low": shape.low[used], "High": shape.high[used]}
+    faces = surface.triangles.tolist()
+    return surface.vertices, faces, groups, "harmonic:Low:High", "Low=layer:0.5,High=layer:0.5"
 
 
 def beads_object(plan, share, spacing):
