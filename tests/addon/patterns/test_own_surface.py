@@ -215,13 +215,16 @@ def test_groups_marks_maps_and_attributes_go_over():
     mesh.attributes.new("height", "FLOAT", "POINT").data.foreach_set("value", attribute(obj, "position")[:, 2])
     mesh.attributes.new("number", "INT", "FACE").data.foreach_set("value", np.arange(6, dtype=np.int32))
     mesh.attributes.new("uv_seam", "BOOLEAN", "EDGE").data.foreach_set("value", [True] + [False] * 11)
-    add_group(obj, "top", np.flatnonzero(attribute(obj, "position")[:, 2] > 0))
+    for axis, name in enumerate(("right", "back", "top")):
+        add_group(obj, name, np.flatnonzero(attribute(obj, "position")[:, axis] > 0))
     api.stripes(obj, spacing=0.4)
     surface = surface_of(obj)
     places = attribute(surface, "position")
     assert np.abs(attribute(surface, "height") - places[:, 2]).max() < 1e-6
-    weights = np.array([sum(g.weight for g in vertex.groups) for vertex in surface.data.vertices])
-    assert np.abs(weights - (places[:, 2] + 1) / 2).max() < 1e-6
+    for axis, name in enumerate(("right", "back", "top")):
+        number = surface.vertex_groups[name].index
+        weights = [sum(g.weight for g in vertex.groups if g.group == number) for vertex in surface.data.vertices]
+        assert np.abs(np.array(weights) - (places[:, axis] + 1) / 2).max() < 1e-6
     centres = np.array([polygon.center[:] for polygon in surface.data.polygons])
     numbers, slots = attribute(surface, "number"), attribute(surface, "material_index")
     for number, polygon in enumerate(mesh.polygons):
