@@ -7,7 +7,7 @@
 One row a file that Blender's importers read, in a process of its own, of its object with the most faces. "given": its
 vertices; "joined" and "vertices": those that were joined, and those of the surface that the quad mesh was solved on.
 "zero": edges without length; "lost": length of boundaries and sharp edges that no edges follow, in their own share;
-"away": Hausdorff distance in edges. "stripes": dislocations, and "s" the seconds of both. Needs Blender as a module
+"away": Hausdorff distance in edges. "stripes": dislocations, and "s" the CPU seconds of both. Needs Blender as a module
 (bpy).
 """
 
@@ -53,7 +53,7 @@ def main():
     """Make the rows that are missing, and print the table and the summary."""
     parser = arguments(__doc__, "the files")
     parser.add_argument("--faces", type=int, default=1500, help="of each quad mesh (%(default)s)")
-    parser.add_argument("--limit", type=int, default=300, help="seconds for a file (%(default)s)")
+    parser.add_argument("--limit", type=int, default=300, help="CPU seconds for a file (%(default)s)")
     parser.add_argument("--rows", type=Path, help="file of JSON lines for the rows, which are read from it first")
     options = parser.parse_args()
     rows = KeptRows(options.rows, "label")
@@ -69,7 +69,9 @@ def _row(path, options):
     try:
         return in_child(made_row, path, options.faces, options.limit)
     except BrokenProcessPool:
-        return {"crash": f"ended, or not done in {options.limit} s"}
+        return {"crash": f"ended, or not done in {options.limit} CPU seconds"}
+    except Exception as error:  # whatever it is, it is what the bench looks for
+        return {"crash": f"{type(error).__name__}: {error}"}
 
 
 def made_row(*arguments):

@@ -8,7 +8,7 @@ import signal
 import bpy
 import numpy as np
 
-from synch_fields.bench.measure import peak_megabytes, timed
+from synch_fields.bench.measure import peak_megabytes, spent
 from synch_fields.core.errors import SynchError
 from synch_fields.core.extract.quads.trace.quad_mesh import SHORTEST
 from synch_fields.synch_addon import api
@@ -18,8 +18,8 @@ from synch_fields.synch_addon.blender.quiet import quiet_stdout
 
 def file_row(path, faces, limit):
     """The row of a file, as a dict of plain values."""
-    if hasattr(signal, "alarm"):
-        signal.alarm(limit)
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_PROF, limit)
     row = {}
     for make in (_quad_figures, _stripe_figures):
         try:
@@ -41,7 +41,7 @@ def _largest(path):
 
 def _quad_figures(obj, faces):
     given = len(obj.data.vertices)
-    report, seconds = timed(lambda: api.quad_mesh(obj, faces=faces))
+    report, seconds = spent(lambda: api.quad_mesh(obj, faces=faces))
     figures, surface = report["quad_mesh"], report.get("surface") or {}
     made = bpy.data.objects[figures["object"]]
     ends = attributes.read_all(made.data.edges, "vertices", 2)
@@ -65,7 +65,7 @@ def _quad_figures(obj, faces):
 
 
 def _stripe_figures(obj, _):
-    report, seconds = timed(lambda: api.stripes(obj))
+    report, seconds = spent(lambda: api.stripes(obj))
     return {
         "dislocations": len(report["dislocations"]),
         "stripe_warnings": len(report["warnings"]),

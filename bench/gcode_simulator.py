@@ -152,51 +152,67 @@ def deviations(samples, polylines, size):
     """
     begins = np.concatenate([line[:-1] for line in polylines])
     ends = np.concatenate([line[1:] for line in polylines])
-    counts = np.maximum(np.ceil(np.linalg.norm(ends - begins, axis=1) / size).astype(int), 1)
-    of = np.repeat(np.arange(len(begins)), counts)
-    place = (np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts) + 0.5) / counts[of]
-    tree = cKDTree(begins[of] + place[:, None] * (ends - begins)[of])
-    _, near = tree.query(samples.tips, k=min(24, len(of)))
-    near = of[near]
-    along = ends[near] - begins[near]
-    away = samples.tips[:, None] - begins[near]
-    shares = np.einsum("skx,skx->sk", away, along) / np.maximum(np.einsum("skx,skx->sk", along, along), 1e-18)
-    offsets = away - np.clip(shares, 0, 1)[..., None] * along
-    return np.linalg.norm(offsets, axis=2).min(axis=1)
+    of, shares = _parts(np.maximum(np.ceil(np.linalg.norm(ends - begins, axis=1) / size).astype(int), 1))
+    tree = cKDTree(begins[of] + shares[:, None] * (ends - begins)[of])
+    found = np.empty(len(samples.tips))
+    for part in np.array_split(np.arange(len(found)), len(found) // 50_000 + 1):
+        near = of[tree.query(samples.tips[part], k=min(12, len(of)))[1]]
+        along = ends[near] - begins[near]
+        away = samples.tips[part, None] - begins[near]
+        shares = np.einsum("skx,skx->sk", away, along) / np.maximum(np.einsum("skx,skx->sk", along, along), 1e-18)
+        offsets = away - np.clip(shares, 0, 1)[..., None] * along
+        found[part] = np.linalg.norm(offsets, axis=2).min(axis=1)
+    return found
 
 
-def filled_share(samples, moves, points, slack):
-    """Share of (n, 3) points in the part that lie in a bead: below the tip by no more than the bead's height, and aside
-    of it by no more than half its width, with some slack."""
-    widths, heights = moves.widths[samples.moves], moves.heights[samples.moves]
-    middles = samples.tips - heights[:, None] / 2 * samples.tools
-    tree = cKDTree(middles)
-    reach = float(np.hypot(widths / 2, heights / 2).max()) + slack
-    inside = np.zeros(len(points), bool)
-    for part in np.array_split(np.arange(len(points)), max(1, len(points) // 512)):
-        for row, near in zip(part, tree.query_ball_point(points[part], reach), strict=True):
-            away = points[row] - middles[near]
-            up = np.einsum("kx,kx->k", away, samples.tools[near])
-            aside = np.linalg.norm(away - up[:, None] * samples.tools[near], axis=1)
-            hit = (np.abs(up) <= heights[near] / 2 + slack) & (aside <= widths[near] / 2 + slack)
-            inside[row] = hit.any()
-    return float(inside.mean())
+def _parts(counts):
+    """(k,) which each of so many parts belongs to, and where its middle is, as a share."""
+    of = np.repeat(np.arange(len(counts)), counts)
+    return of, (np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts) + 0.5) / counts[of]
 
 
-def travels_through(printing, travels, moves, slack):
-    """Share of the samples of travels whose tip is inside a bead that was printed before."""
-    widths, heights = moves.widths[printing.moves], moves.heights[printing.moves]
-    middles = printing.tips - heights[:, None] / 2 * printing.tools
-    tree, hit = cKDTree(middles), np.zeros(len(travels.tips), bool)
-    reach = float(np.hypot(widths / 2, heights / 2).max())
-    for row, near in enumerate(tree.query_ball_point(travels.tips, reach)):
-        near = np.array(near, int)
-        near = near[printing.moves[near] < travels.moves[row]]
-        away = travels.tips[row] - middles[near]
-        up = np.einsum("kx,kx->k", away, printing.tools[near])
-        aside = np.linalg.norm(away - up[:, None] * printing.tools[near], axis=1)
-        hit[row] = ((up < heights[near] / 2 - slack) & (up > -heights[near] / 2) & (aside < widths[near] / 2)).any()
-    return float(hit.mean()) if len(hit) else 0.0
+class Beads:
+    """What has been printed: along each sample a box as wide and high as the comments say, below the tip."""
+
+    def __init__(self, samples, moves):
+        self.moves, self._tools = samples.moves, samples.tools
+        self._widths, self._heights = moves.widths[samples.moves], moves.heights[samples.moves]
+        self._middles = samples.tips - self._heights[:, None] / 2 * samples.tools
+        self._tree = cKDTree(self._middles)
+        # A box, and one over and one under it.
+        self._reach = float(np.hypot(self._widths / 2, self._heights).max())
+
+    def around(self, points):
+        """Beads near (n, 3) points, in parts: yields points, samples, the offset along the tool over half the height,
+        and aside over half the width."""
+        for part in np.array_split(np.arange(len(points)), len(points) // 2000 + 1):
+            found = self._tree.query_ball_point(points[part], self._reach)
+            sizes = np.array([len(near) for near in found], int)
+            row, near = np.repeat(part, sizes), np.concatenate([*found, []]).astype(int)
+            away = points[row] - self._middles[near]
+            up = np.einsum("kx,kx->k", away, self._tools[near])
+            aside = np.linalg.norm(away - up[:, None] * self._tools[near], axis=1)
+            yield row, near, 2 * up / self._heights[near], 2 * aside / self._widths[near]
+
+
+def filled_shares(beads, points):
+    """Share of (n, 3) points in the part that lie in a bead, and share that lie aside of one by no more than half its
+    width, over and under it by no more than half its height; with a slack of 4 % for the samples."""
+    filled, near = np.zeros((2, len(points)), bool)
+    for row, _, up, aside in beads.around(points):
+        narrow = aside <= 1.04
+        filled[row[narrow & (np.abs(up) <= 1.04)]] = True
+        near[row[narrow & (np.abs(up) <= 2)]] = True
+    return float(filled.mean()), float(near.mean())
+
+
+def travels_through(beads, travels):
+    """(s,) bool: samples of travels whose tip is inside a bead that was printed before, more than a tenth below its
+    top and a tenth inside its sides."""
+    hit = np.zeros(len(travels.tips), bool)
+    for row, near, up, aside in beads.around(travels.tips):
+        hit[row[(beads.moves[near] < travels.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)]] = True
+    return hit
 
 
 def turn_speed(moves):

@@ -13,7 +13,9 @@ tells; "showing", seconds of the default solve that shows fields over those of o
 
 Live: stripes, forty along the longest side, whose spacing grows by 1 % a step: milliseconds of a step and steps a
 second; "change", of cos theta in a step, the mean and the largest mean; "defects", how many more or fewer there are
-after a step at most, and in all; "energy", after the last step over that of a full solve from there.
+after a step at most, and in all; "energy", after the last step over that of a full solve from there; then the pattern
+that fades in after a rest: "anew s", its seconds, and "anew", its energy likewise; "near s" and "near", those of the
+whole solve that starts from it, which is shown at last.
 """
 
 import argparse
@@ -33,11 +35,12 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.solution import FIRST
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.warm_start import Follower
-from synch_fields.core.tasks.live import LiveRequest
-from synch_fields.core.tasks.surfaces import SurfaceRequest
+from synch_fields.core.tasks.live import ANEW, NEAR, LiveRequest
+from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
 
 NAMES = ("n = 1", "n = 4", "stripes 40")
 COLUMNS = (
@@ -59,6 +62,10 @@ LIVE = (
     Column("defects a step", "defects", "d"),
     Column("in all", "all", "d"),
     Column("energy", "energy", ".3f"),
+    Column("anew s", "anew_seconds", ".2f"),
+    Column("anew", "anew", ".3f"),
+    Column("near s", "near_seconds", ".2f"),
+    Column("near", "near", ".3f"),
 )
 
 
@@ -117,7 +124,7 @@ def live_row(mesh, steps, clock):
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
     given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     spacing = size / problems.STRIPES["stripes 40"]
-    asked = SurfaceRequest("stripes", given, "line", Options(), None, (), 0.0, (), (), spacing, spacing)
+    asked = SurfaceRequest.of("stripes", SurfaceSource(given), SurfaceSettings(spacing=spacing).for_command("stripes"))
     shown, followers = asked.solve(), (Follower(), Follower())
     seconds, changes, counts = [], [], [len(shown.pattern.dislocations)]
     for _ in range(steps):
@@ -129,7 +136,12 @@ def live_row(mesh, steps, clock):
         changes.append(np.abs(found.pattern.phases.real - shown.pattern.phases.real).mean())
         counts.append(len(found.pattern.dislocations))
         shown = found
-    whole = asked.along(found.field)
+    whole, shown_last, settled = asked.along(found.field).pattern.energy, found.pattern.energy, {}
+    for settles in (ANEW, NEAR):
+        slim = replace(found.field, solution=None, problem=None)
+        request = LiveRequest(asked, slim, found.pattern.phases, True, followers, settles)
+        found, settled[f"{settles}_seconds"] = timed(clock, request.solve)
+        settled[settles] = found.pattern.energy / whole
     return {
         "vertices": mesh.vertex_count,
         "ms": 1000 * median(seconds),
@@ -138,7 +150,8 @@ def live_row(mesh, steps, clock):
         "largest": max(changes),
         "defects": int(np.abs(np.diff(counts)).max()),
         "all": abs(counts[-1] - counts[0]),
-        "energy": found.pattern.energy / whole.pattern.energy,
+        "energy": shown_last / whole,
+        **settled,
     }
 
 

@@ -22,7 +22,7 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.layers import layer_problem
-from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.geometry.filling.stuffing import fill_surface
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.methods.certificate import provable_width
@@ -92,7 +92,7 @@ def _problem(name, size):
             return layer_problem(ball, np.tile([0.0, 0, 1], (ball.vertex_count, 1)), 0.2)
         mesh = sphere(size)
         if name == "quads":
-            return quad_problem(mesh, direction_field(mesh, 4), 0.05)
+            return pattern_problem(mesh, direction_field(mesh, 4), PatternWishes(0.05))
         return problems.make_problem(mesh, name)
 
 

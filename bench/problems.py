@@ -5,7 +5,7 @@ import numpy as np
 
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.solve import Options
 
 SYMMETRIES = {"n = 1": 1, "n = 2": 2, "n = 4": 4}
@@ -19,7 +19,7 @@ def make_problem(mesh, name, lines=None):
     if name in SYMMETRIES:
         return direction_problem(mesh, SYMMETRIES[name])
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    return stripe_problem(mesh, spectral_lines(mesh) if lines is None else lines, size / STRIPES[name])
+    return pattern_problem(mesh, spectral_lines(mesh) if lines is None else lines, PatternWishes(size / STRIPES[name]))
 
 
 def spectral_lines(mesh):

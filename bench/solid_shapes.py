@@ -126,6 +126,61 @@ def ring(around=96, across=20, layers=20):
     return Shape("ring with a wavy top", mesh, height == 0, height == 1)
 
 
+def box(counts):
+    """Vertices of the surface of a unit cube cut into cells, and its quads."""
+    numbers, quads = {}, []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for side in (0, counts[axis]):
+            for i, j in np.ndindex(counts[u], counts[v]):
+                corners = []
+                for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                    place = [0, 0, 0]
+                    place[axis], place[u], place[v] = side, a, b
+                    corners.append(numbers.setdefault(tuple(place), len(numbers)))
+                quads.append(corners if side else corners[::-1])
+    return np.array(list(numbers)) / counts, quads
+
+
+def curved_shell():
+    """A dome, a quarter as thick as its inner radius: layers from its inner side outwards."""
+    places, quads = box((24, 24, 3))
+    across = np.tan(1.4 * (places[:, :2] - 0.5))
+    rays = np.column_stack([across, np.ones(len(places))])
+    rays *= ((1 + 0.25 * places[:, 2]) / np.linalg.norm(rays, axis=1))[:, None]
+    return rays, quads, {"Inner": places[:, 2] == 0}, "distance:Inner", "Inner=layer:0.5"
+
+
+def bent_bar():
+    """A bar that stands on one end and bends by 75 degrees: layers from end to end."""
+    places, quads = box((24, 6, 6))
+    turn, radius = np.radians(75) * places[:, 0], 1 + 0.6 * places[:, 2]
+    bent = np.column_stack([-radius * np.cos(turn), 0.6 * places[:, 1], radius * np.sin(turn)])
+    groups = {"Low": places[:, 0] == 0, "High": places[:, 0] == 1}
+    return bent, quads, groups, "harmonic:Low:High", "Low=layer:0.5,High=layer:0.5"
+
+
+def cup():
+    """A cup that widens upwards, with a floor, from the outline of half of it that turns around Z."""
+    outline = np.array([(0, 0), (20, 0), (27, 60), (23.5, 60), (17, 4), (0, 4)], float)
+    count = 96
+    turn = 2 * np.pi * np.arange(count) / count
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    places = [np.column_stack([radius * ring, np.full(count, z)]) for radius, z in outline[1:-1]]
+    vertices = np.concatenate([*places, [[0, 0, 0], [0, 0, 4]]])
+    one, other = np.arange(count), np.roll(np.arange(count), -1)
+    quads = [
+        np.stack([row + one, row + other, row + count + other, row + count + one], axis=1)
+        for row in count * np.arange(3)
+    ]
+    low, high = len(vertices) - 2, len(vertices) - 1
+    fans = [
+        np.stack([np.full(count, low), other, one], axis=1),
+        np.stack([np.full(count, high), 3 * count + one, 3 * count + other], axis=1),
+    ]
+    return vertices, [*np.concatenate(quads).tolist(), *np.concatenate(fans).tolist()], {}, "axis:Z", ""
+
+
 def wedge(along=40, across=12, layers=16):
     """A block of a thickness of 1 in its middle, which grows along a slanted direction from 0.6 at one corner to 1.4 at
     the other, with its bottom and top marked."""

@@ -16,7 +16,7 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.meshes import write_obj
 from synch_fields.bench.polyhedra import Polyhedron, circle, convex, prism
 from synch_fields.bench.turned import turned
-from synch_fields.core.extract.vortices.isosurface import isosurface, smooth_surface
+from synch_fields.core.extract.vortices.tubes import isosurface, smooth_surface
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import box_grid
 

@@ -61,7 +61,7 @@ class Connection:
         return self.transports.ndim == 1 or self.block == 2
 
     def energy(self, phases: np.ndarray) -> float:
-        """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex, (n, d) or (n, d, d) real values."""
+        """The sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex, (n, d) or (n, d, d) real values."""
         i, j = self.edges.T
         if self.transports.ndim == 1:
             moved = self.transports * phases[i]
@@ -159,12 +159,9 @@ def as_matrices(transports: np.ndarray) -> np.ndarray:
 def levi_civita(mesh: TriangleMesh, symmetry: int) -> np.ndarray:
     """Transport of the symmetry-th power of tangent vectors along the edges (Knöppel et al. 2013).
 
-    A vector at angle ``a`` in the plane of i points at ``a + theta_ij`` in the plane of j, where
-    theta_ij = direction(j -> i) + pi - direction(i -> j); its power turns ``symmetry`` times as far.
-
-    Returns
-    -------
-    (e,) radians, for the edges of ``mesh`` from the lower to the higher vertex
+    A vector at angle ``a`` in the plane of i points at ``a + theta_ij`` in the plane of j, where theta_ij = direction(j
+    -> i) + pi - direction(i -> j); its power turns ``symmetry`` times as far. Returns (e,) radians, for the edges of
+    ``mesh`` from the lower to the higher vertex.
     """
     directions = mesh.edge_directions
     return symmetry * (directions[:, 1] + np.pi - directions[:, 0])

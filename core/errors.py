@@ -14,14 +14,12 @@ _LONGEST = 60
 class SynchError(Exception):
     """Base of every error that a user can act on.
 
+    ``source``: the file or data that a reader's error is about, otherwise "".
+
     Parameters
     ----------
     text : one line; line ends in quoted names are escaped
     vertices : (k,) mesh vertices that the text names; kept ascending, each once
-
-    Attributes
-    ----------
-    source : the file or data that a reader's error is about, otherwise ""
     """
 
     source = ""
@@ -99,7 +97,7 @@ def quote_value(value: object) -> str:
 
 
 def plural(noun: str) -> str:
-    """ "edges", "vertices", "irregular vertices" """
+    """The plural of a noun: "edges", "vertices", "irregular vertices"."""
     return noun[:-2] + "ices" if noun.endswith(("vertex", "vortex")) else noun + "s"
 
 

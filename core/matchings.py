@@ -19,15 +19,13 @@ def matchings(
 ) -> np.ndarray:
     """Compute the matching of each edge: the lower vertex's direction nearest to direction 0 of the higher.
 
+    Returns (e,) int from 0 to symmetry - 1.
+
     Parameters
     ----------
     angles : (n,) radians in the vertices' tangent planes, direction 0
     symmetry : 1, 2 or 4 directions at a vertex
     correction : (e,) radians that the connection in use adds to the surface's own, for the powers of directions
-
-    Returns
-    -------
-    (e,) int from 0 to symmetry - 1
     """
     i, j = mesh.edges.T
     turn = 2 * np.pi / symmetry

@@ -57,16 +57,13 @@ def room(reserved: float = RESERVED) -> Room:
 def check_memory(needed: float, what: str, reserved: float = RESERVED) -> None:
     """Refuse work that needs more memory than is left, before it begins.
 
+    Raises SynchError naming the need, what is left, and the remedy.
+
     Parameters
     ----------
     needed : bytes at its peak, beyond the present use; may be a third too high
     what : begins the message, such as "a solve of 9 phases"
     reserved : bytes of address space for each of them
-
-    Raises
-    ------
-    SynchError
-        naming the need, what is left, and the remedy
     """
     left = room(reserved)
     if _SURE * needed > left.usable:

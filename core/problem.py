@@ -73,6 +73,9 @@ class ColumnLinks:
 class SynchronizationProblem:
     """A connection with masses and constraints, and the sparse matrices of its energy.
 
+    Raises SettingError for arrays that do not fit, NaN, negative weights or masses, transports and values that are not
+    of unit length, a node that is constrained twice, or merged into a constrained node.
+
     Parameters
     ----------
     mass : (n,) positive, by default ones
@@ -83,12 +86,6 @@ class SynchronizationProblem:
     fibre : values of the nodes where transports are d x d matrices
 
     The attributes ``merged``, ``fixed`` and ``drawn`` are never None.
-
-    Raises
-    ------
-    SettingError
-        for arrays that do not fit, NaN, negative weights or masses, transports and values that are not of unit length,
-        a node that is constrained twice, or merged into a constrained node
     """
 
     def __init__(
@@ -290,9 +287,7 @@ class SynchronizationProblem:
     def expand(self, coordinates: np.ndarray) -> np.ndarray:
         """Compute the phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d) or (n, d, d).
 
-        Parameters
-        ----------
-        coordinates : (N,), one for each column of :attr:`factor`; (N, d) for frames
+        ``coordinates``: (N,), one for each column of :attr:`factor`; (N, d) for frames.
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
@@ -306,9 +301,7 @@ class SynchronizationProblem:
     def coordinates(self, phases: np.ndarray) -> np.ndarray:
         """Find the (N,) or (N, d) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
 
-        Parameters
-        ----------
-        phases : (n,) complex on the circle, else (n, d) or (n, d, d)
+        ``phases``: (n,) complex on the circle, else (n, d) or (n, d, d).
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:

@@ -23,9 +23,7 @@ ROUNDINGS: tuple[str, ...] = tuple(choice.name for choice in solver.ROUNDINGS)
 class Certificate(StrEnum):
     """How a lower bound was obtained; reports show the text.
 
-    Attributes
-    ----------
-    strength : order; a problem of several pieces has the weakest certificate of its pieces
+    ``strength``: order; a problem of several pieces has the weakest certificate of its pieces.
     """
 
     strength: int
@@ -43,9 +41,7 @@ class Certificate(StrEnum):
 class Status(Enum):
     """How a solve ended; reports show the value.
 
-    Attributes
-    ----------
-    severity : order; a problem of several pieces has the most severe status of its pieces
+    ``severity``: order; a problem of several pieces has the most severe status of its pieces.
     """
 
     severity: int

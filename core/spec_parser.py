@@ -20,15 +20,12 @@ _NAMES = rf'({_QUOTED}|[^,:="\r\n]*+)', rf'({_QUOTED}|[^,="\r\n]*+)'
 def items(text: str, what: str, form: str) -> list[tuple[Any, ...]]:
     """Split a text into its items: tuples with a str for each part of the form, None where it is missing.
 
+    Raises SettingError for a text that cannot be read, quoted from the first error on, or a value that is not a text.
+
     Parameters
     ----------
     what : name of the text in errors
     form : of each item, such as "KIND:NAME=STRENGTH" or "NAME=layer"; all but its first part are optional
-
-    Raises
-    ------
-    SettingError
-        for a text that cannot be read, quoted from the first error on, or a value that is not a text
     """
     if not isinstance(text, str):
         raise SettingError(f"the {what} is {quote_value(text)}: give a text such as {form}")

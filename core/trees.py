@@ -13,18 +13,14 @@ def along_trees(
 ) -> np.ndarray:
     """Carry the unit frame from the roots along shortest paths.
 
-    A field that fits all links of a component is the same in all these frames.
+    A field that fits all links of a component is the same in all these frames. Returns (count,) complex of unit modulus
+    or (count, d, d): what takes the root's value to each node's; the identity where no root is connected.
 
     Parameters
     ----------
     tails, heads : (e,) nodes of the links, of ``count`` nodes
     transports : (e,) complex or (e, d, d), from tail to head; from head to tail their adjoints lead
     roots : (c,) one node of each component that has links
-
-    Returns
-    -------
-    (count,) complex of unit modulus or (count, d, d): what takes the root's value to each node's; the identity where no
-    root is connected
     """
     starts = np.full(len(roots), count)
     graph = coo_matrix(

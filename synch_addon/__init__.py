@@ -15,8 +15,9 @@ from .command import main
 from .flows import properties as flow_properties
 from .jobs import lru_cache as shelf
 from .jobs import queue
+from .panels import simple
 from .patterns import live
-from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, simple, strokes
+from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, strokes
 from .solids import properties as layer_properties
 
 _MODULES = (

@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Python API: one function for each command on a mesh object, shared by operators and command line.
 
-Each gathers arrays, calls the core, and only then writes; an error or a cancellation leaves the
-scene as it was. All return the report that the command line writes as JSON.
+Each gathers arrays, calls the core, and only then writes: an error or a cancellation leaves the scene as it was. All
+return the report that the command line writes as JSON. All raise :class:`SynchError`, whose one line names the element
+and the remedy.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from numbers import Integral
+from pathlib import Path
 from typing import Unpack
 
+import bpy
+
 from ..core.errors import SettingError, SynchError, quote_value
+from ..core.fields import DirectionField, Pattern
 from ..core.fields.placement import check_vertices, variation, with_defects
+from ..core.files.json_text import Json
+from ..core.geometry.tet_mesh import TetMesh
+from ..core.monitor import Callback
 from ..core.settings.bake import BakeSettings
 from ..core.settings.keywords import BakeKeywords, LayerKeywords, LineKeywords, SurfaceKeywords
 from ..core.settings.layers import LayerSettings
@@ -47,28 +56,21 @@ from .solids.outputs import layer_volume as layer_volume
 MOST_VARIATIONS = 2**31 - 1
 
 
-def directions(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
+def directions(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[SurfaceKeywords]) -> Json:
     """Solve a direction field on a mesh object and write it as attributes and empties.
+
+    Returns dict, the report. Raises SynchError, with nothing written.
 
     Parameters
     ----------
     obj : bpy.types.Object
-    callback : callable(stage, fraction) -> bool, optional; False cancels
+    callback : called with a stage and a fraction of the work; False as its answer cancels
     settings : see :class:`SurfaceSettings`; spacing does not count
-
-    Returns
-    -------
-    dict, the report
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return run("directions", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def stripes(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
+def stripes(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[SurfaceKeywords]) -> Json:
     """Solve a stripe pattern along a direction field and write attributes, material and empties.
 
     Parameters, result and errors as :func:`directions`.
@@ -76,7 +78,7 @@ def stripes(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     return run("stripes", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def quads(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
+def quads(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[SurfaceKeywords]) -> Json:
     """Solve a quad pattern along a cross field and write attributes, material and empties.
 
     Parameters, result and errors as :func:`directions`; the symmetry is always that of a cross.
@@ -84,7 +86,7 @@ def quads(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     return run("quads", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def quad_mesh(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
+def quad_mesh(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[SurfaceKeywords]) -> Json:
     """Solve a quad pattern and make the mesh of its grid lines, a new object; the given one is hidden.
 
     Parameters, result and errors as :func:`quads`; the report says in ``quad_mesh`` how good the mesh is, and in its
@@ -93,66 +95,58 @@ def quad_mesh(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     return run("quad_mesh", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def run(command, obj, settings, callback=None):
+def run(command: str, obj: bpy.types.Object, settings: SurfaceSettings, callback: Callback | None = None) -> Json:
     """Run a command by its name, with ready :class:`SurfaceSettings`."""
-    return job.run(FieldJob(command, obj, settings), callback)
+    asked = FieldJob(command, obj, settings)
+    return job.run(asked, callback)
 
 
-def layers(obj, callback=None, solid=None, **settings: Unpack[LayerKeywords]):
+def layers(
+    obj: bpy.types.Object,
+    callback: Callback | None = None,
+    solid: TetMesh | None = None,
+    **settings: Unpack[LayerKeywords],
+) -> Json:
     """Fill a closed mesh object and solve evenly spaced layers in it, made as new objects; the given one is hidden.
+
+    Returns dict, the report: `layers_object`, `curves_object` and `surface_object` are names. Raises SynchError,
+    with nothing written.
 
     Parameters
     ----------
-    obj : bpy.types.Object
-    callback : callable(stage, fraction) -> bool, optional; False cancels
+    callback : as for :func:`directions`
     solid : TetMesh in the object's space whose boundary is its surface, in place of the one that would fill it
     settings : see :class:`LayerSettings`
-
-    Returns
-    -------
-    dict, the report: `layers_object`, `curves_object` and `surface_object` are names
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return job.run(layer_job(obj, from_names(LayerSettings, settings), solid), callback)
 
 
-def layer_job(obj, settings, solid=None):
+def layer_job(obj: bpy.types.Object, settings: LayerSettings, solid: TetMesh | None = None) -> LayerJob:
     """A :class:`LayerJob` of ready :class:`LayerSettings`."""
     return LayerJob(obj, settings, solid)
 
 
-def vary(obj, number):
+def vary(obj: bpy.types.Object, number: int) -> Json:
     """Show another near-optimal configuration of the last solve of an object, without solving again.
+
+    Returns dict, the report; its energy is that of what is shown. Raises SynchError, with nothing written.
 
     Parameters
     ----------
-    obj : bpy.types.Object that was solved since the file was opened
+    obj : that was solved since the file was opened
     number : 0 for the solution, then the other local optima that were found, then seeds of further searches
-
-    Returns
-    -------
-    dict, the report; its energy is that of what is shown
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
         raise SettingError(f"the variation is {quote_value(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
     return _show(obj, lambda solved: variation(solved.shown, number), number)
 
 
-def place_defects(obj, vertices, renumber=True):
+def place_defects(obj: bpy.types.Object, vertices: Sequence[int], renumber: bool = True) -> Json:
     """Show the configuration of an object's last solve with a dislocation at each of some vertices (Section 4.6).
 
     Parameters
     ----------
-    obj : bpy.types.Object with stripes or quads that were solved since the file was opened
+    obj : with stripes or quads that were solved since the file was opened
     vertices : indices of vertices; how many there may be is the rank of the lifted field less one, for line and cross
         fields half of that
     renumber : whether numbered stripes are numbered anew; :func:`numbers.renew_shown` does it after the last of many
@@ -160,7 +154,7 @@ def place_defects(obj, vertices, renumber=True):
     Result and errors as :func:`vary`.
     """
 
-    def place(solved):
+    def place(solved: memory.Solved) -> Pattern:
         if solved.pattern is None:
             raise SynchError("defects are placed in stripes and quads: solve one of them first")
         return with_defects(solved.pattern, vertices)
@@ -168,7 +162,7 @@ def place_defects(obj, vertices, renumber=True):
     return _show(obj, place, renumber=renumber)
 
 
-def show_again(obj, shown):
+def show_again(obj: bpy.types.Object, shown: memory.Solved) -> None:
     """Show a state of an object's last solve that :func:`memory.recall` has given.
 
     Errors as :func:`vary`.
@@ -178,12 +172,12 @@ def show_again(obj, shown):
         write_again(obj, replace(shown, request=memory.recall(obj).request))
 
 
-def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
+def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothing) -> Json:
     """Make the mesh of the quads that an object shows, variations and placed defects included, without another solve.
 
     Parameters
     ----------
-    obj : bpy.types.Object with quads that were solved since the file was opened; it is hidden
+    obj : with quads that were solved since the file was opened; it is hidden
     smoothing : how often a vertex moves to the middle of its neighbours on the surface
 
     Result and errors as :func:`quad_mesh`.
@@ -194,57 +188,51 @@ def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
         solved = memory.recall(obj)
         if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
-        request = replace(solved.request, smoothing=smoothing)
+        request = solved.request.smoothed(smoothing)
         found = SurfaceResult(solved.field, solved.pattern, **request.finish(*request.trace(solved.pattern)))
         report = solved.report.again("quad_mesh")
         report.take(found)
         return write_quads(obj, request, found, report, Selection.now(), surface_of(obj))
 
 
-def isolines(obj, **settings: Unpack[LineKeywords]):
+def isolines(obj: bpy.types.Object, **settings: Unpack[LineKeywords]) -> Json:
     """Make a curve object of the lines that an object shows: middles or edges of stripes, grid lines of quads.
 
+    Returns dict, the report: its ``object`` is the curve's name. Raises SynchError, with nothing made.
+
     Parameters
     ----------
-    obj : bpy.types.Object with stripes or quads
+    obj : with stripes or quads
     settings : see :class:`LineSettings`
-
-    Returns
-    -------
-    dict, the report: its ``object`` is the curve's name
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
-    settings = from_names(LineSettings, settings)
+    chosen = from_names(LineSettings, settings)
     with meshes.object_mode(obj), whole_or_nothing():
-        return line_object.write(obj, *shown_pattern(obj), settings)
+        request, pattern = shown_pattern(obj)
+        return line_object.write(obj, request, pattern, chosen)
 
 
-def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
+def relief(
+    obj: bpy.types.Object,
+    height: float = 0.15,
+    width: float = 0.5,
+    profile: str | int = 0,
+    level: int | None = None,
+    smooth: bool = False,
+) -> Json:
     """Raise an object's surface by its pattern, with a geometry nodes modifier that reads the attributes alone.
+
+    Returns dict, the report. Raises SynchError, with nothing made.
 
     Parameters
     ----------
-    obj : bpy.types.Object with stripes or quads
+    obj : with stripes or quads
     height : in spacings; below 0 the pattern is cut in
     width : part of a period that is raised, or of the area of quads
     profile : of stripes "sine", "square", "triangle", "rounded" or "thread", of quads "grid lines", "checker",
         "weave" or "dots"; or its number
     level : how often the mesh is subdivided; None for as often as its edges need
     smooth : round the surface while it is subdivided
-
-    Returns
-    -------
-    dict, the report
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -252,22 +240,15 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
 
 
-def carry(obj):
+def carry(obj: bpy.types.Object) -> Json:
     """Carry an object's pattern through its modifiers, with one of ours after them: what vertices have of it is made
     anew on the mesh that they leave.
+
+    Returns dict, the report: the modifier's name. Raises SynchError, with nothing made.
 
     Parameters
     ----------
     obj : bpy.types.Object with stripes or quads
-
-    Returns
-    -------
-    dict, the report: the modifier's name
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -275,25 +256,24 @@ def carry(obj):
     return {"status": "made", "command": "carry", "object": obj.name, "modifier": made.name, "versions": versions()}
 
 
-def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeywords]):
+def preset(
+    obj: bpy.types.Object,
+    name: str,
+    callback: Callback | None = None,
+    solve: bool = False,
+    **settings: Unpack[SurfaceKeywords],
+) -> Json:
     """Show one of the :data:`presets.PRESETS` on an object: on its pattern, or on one that is solved for it.
+
+    Returns dict, the report: the material's name, and in ``solve`` the report of the solve or None. Raises SynchError,
+    with nothing written.
 
     Parameters
     ----------
-    obj : bpy.types.Object
     name : "zebra", "corduroy", "wood-cut", "knit", "cane" or "fingerprint"
-    callback : callable(stage, fraction) -> bool, optional; False cancels the solve
+    callback : as for :func:`directions`
     solve : solve the pattern that the preset is made for, also where the object has one that can show it
     settings : of the solve, in place of the preset's; see :class:`SurfaceSettings`
-
-    Returns
-    -------
-    dict, the report: the material's name, and in ``solve`` the report of the solve or None
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
     needed = presets.solve_for(obj, name, convert_value("solve", bool, solve) or bool(settings))
@@ -308,34 +288,33 @@ def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeyw
     }
 
 
-def bake(obj, callback=None, **settings: Unpack[BakeKeywords]):
+def bake(obj: bpy.types.Object, callback: Callback | None = None, **settings: Unpack[BakeKeywords]) -> Json:
     """Bake what an object's stripes or quads show into image files, or images packed into the .blend.
+
+    Returns dict, the report: files or images, their sizes and seconds by the names of their maps. Raises SynchError,
+    with nothing written.
 
     Parameters
     ----------
-    obj : bpy.types.Object with stripes or quads; it may be hidden
-    callback : callable(stage, fraction) -> bool, optional; False cancels between two maps
+    obj : with stripes or quads; it may be hidden
+    callback : asked between two maps
     settings : see :class:`BakeSettings`
-
-    Returns
-    -------
-    dict, the report: files or images, their sizes and seconds by the names of their maps
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     return run_bake(obj, from_names(BakeSettings, settings), callback)
 
 
-def run_bake(obj, settings, callback=None):
+def run_bake(obj: bpy.types.Object, settings: BakeSettings, callback: Callback | None = None) -> Json:
     """Bake with ready :class:`BakeSettings`."""
     meshes.refuse(obj)
     return job.run(BakeJob(obj, settings), callback)
 
 
-def _show(obj, change, number=0, renumber=True):
+def _show(
+    obj: bpy.types.Object,
+    change: Callable[[memory.Solved], DirectionField | Pattern],
+    number: int = 0,
+    renumber: bool = True,
+) -> Json:
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
@@ -345,36 +324,26 @@ def _show(obj, change, number=0, renumber=True):
         return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
 
 
-def import_field(obj, path):
+def import_field(obj: bpy.types.Object, path: str | Path) -> str:
     """Write the directions of a .rawfield or .rosy file to a mesh object's ``synch_direction``.
 
-    Returns
-    -------
-    "vector", "line" or "cross", what the file's directions are
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
+    Returns "vector", "line" or "cross", what the file's directions are. Raises SynchError, with nothing written.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
         return field_files.import_directions(obj, path)
 
 
-def export_field(obj, path, symmetry="line"):
+def export_field(obj: bpy.types.Object, path: str | Path, symmetry: str = "line") -> None:
     """Write a mesh object's ``synch_direction`` as a .rawfield or .rosy file, one set of directions a triangle.
+
+    Raises SynchError, with nothing written.
 
     Parameters
     ----------
-    obj : bpy.types.Object, all of whose faces are triangles
+    obj : all of whose faces are triangles
     path : where to
     symmetry : "vector", "line" or "cross", what the directions are
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
     if convert_value("symmetry", str, symmetry) not in SYMMETRY_ORDERS:
@@ -383,15 +352,12 @@ def export_field(obj, path, symmetry="line"):
         field_files.export_directions(obj, path, symmetry)
 
 
-def select(obj, vertices):
+def select(obj: bpy.types.Object, vertices: Sequence[int]) -> None:
     """Select vertices and nothing else of an object's mesh, in object or edit mode.
 
-    Raises
-    ------
-    SettingError
-        for what is no vertex
+    Raises SettingError for what is no vertex.
     """
     meshes.refuse(obj)
-    vertices = check_vertices(vertices, len(obj.data.vertices))
+    chosen = check_vertices(vertices, len(obj.data.vertices))
     with meshes.object_mode(obj):
-        meshes.select_vertices(obj, vertices)
+        meshes.select_vertices(obj, chosen)

@@ -69,6 +69,8 @@ assert version("synch_fields") == synch_fields.__version__
 """
 
 TYPED = """
+from typing import Any
+
 import numpy as np
 from synch_fields.core.connection import Connection, circle_transports, levi_civita
 from synch_fields.core.extract.lines.isolines import isolines
@@ -77,10 +79,18 @@ from synch_fields.core.fields import direction_field, given_directions, quad_pat
 from synch_fields.core.geometry import TriangleMesh, check_mesh
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, solve
+from synch_fields.synch_addon import api
 
 
 def stop(stage: str, fraction: float) -> bool:
     return fraction < 0.5
+
+
+def in_blender(obj: Any) -> float:
+    reveal_type(api.stripes)
+    reveal_type(api.number_stripes)
+    report = api.stripes(obj, stop, spacing=0.1, method="sdp")
+    return float(report["energy"])
 
 
 mesh = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -95,11 +105,14 @@ reveal_type(stripe_pattern(mesh, field, np.ones(3)))
 reveal_type(quad_mesh(pattern.edge_phases))
 reveal_type(isolines(pattern.edge_phases))
 reveal_type(pattern.dislocations)
+reveal_type(pattern.solution.energy)
 reveal_type(solution)
 reveal_type(solution.gap)
 reveal_type(check_mesh(mesh))
 """
 REVEALED = [
+    "SurfaceKeywords.*dict\\[str, Any",
+    "int",
     "ndarray",
     "ndarray",
     "DirectionField",
@@ -107,6 +120,7 @@ REVEALED = [
     "QuadMesh",
     "Isolines",
     "Defect",
+    "float",
     "Solution",
     "float",
     "None",

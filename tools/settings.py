@@ -49,14 +49,14 @@ def groups():
 
 def keywords() -> str:
     """The text of core/settings/keywords.py."""
-    parts = [_HEAD]
-    for name, kind in groups().items():
-        hints = get_type_hints(kind)
-        lines = [f"    {setting}: {_spelled(hints[setting])}" for setting, _ in records(kind)]
-        doc = f'    """Keywords of :class:`core.settings.{name}`."""'
-        parts.append(
-            "\n".join([f"class {name.removesuffix('Settings')}Keywords(TypedDict, total=False):", doc, "", *lines])
-        )
+    parts, base = [_HEAD], core_settings.SolverSettings
+    for kind in (base, *groups().values()):
+        hints, inherits = get_type_hints(kind), kind is not base and issubclass(kind, base)
+        own = [name for name, _ in records(kind) if not (inherits and name in base.__annotations__)]
+        name, parent = kind.__name__.removesuffix("Settings"), "SolverKeywords" if inherits else "TypedDict"
+        doc = f'    """Keywords of :class:`core.settings.{kind.__name__}`."""'
+        lines = [f"    {setting}: {_spelled(hints[setting])}" for setting in own]
+        parts.append("\n".join([f"class {name}Keywords({parent}, total=False):", doc, "", *lines]))
     return "\n\n\n".join(part.strip() for part in parts) + "\n"
 
 

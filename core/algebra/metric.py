@@ -34,6 +34,8 @@ STAGNATION = 0.7
 # good for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.methods.staircase`). One step
 # before and after is faster than Chebyshev polynomials of degree 2 or 3, which save few steps.
 SMOOTHED_PART = 0.3
+# Diagonals are raised to this many times the largest that rounding has made negative.
+ROUNDING_MARGIN = 10.0
 POWER_STEPS = 10
 SAFETY = 1.1
 # Factor on the Jacobi step that is added to the coarser levels' part, against that of a cycle: at half of it the
@@ -97,7 +99,7 @@ class Hierarchy:
             self.levels.append(Level(matrix, row_mass, ground, largest, prolongation, tentative))
             if prolongation is None:
                 return
-            matrix = (prolongation.conj().T.tocsr() @ (matrix @ prolongation)).tocsr()
+            matrix = with_positive_diagonal((prolongation.conj().T.tocsr() @ (matrix @ prolongation)).tocsr())
             row_mass = coarse_mass(tentative, row_mass)
             ground = coarse_ground
 
@@ -155,6 +157,13 @@ class Hierarchy:
 def smoothing_weights(matrix: csr_matrix, weights: np.ndarray) -> np.ndarray:
     """Set the (N,) weights of the prolongation's Jacobi step to 0 at hubs, which would join all aggregates around."""
     return np.where(hubs(matrix), 0, weights).astype(np.float32)
+
+
+def with_positive_diagonal(matrix: csr_matrix) -> csr_matrix:
+    """Raise the diagonal of a semidefinite matrix where rounding may outweigh it, if rounding has made any negative."""
+    diagonal = matrix.diagonal().real
+    least = -ROUNDING_MARGIN * diagonal.min()
+    return (matrix + diags_array(np.maximum(least - diagonal, 0))).tocsr() if least > 0 else matrix
 
 
 def coarse_mass(tentative: csr_matrix, row_mass: np.ndarray) -> np.ndarray:
@@ -219,16 +228,13 @@ class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 
     The shift makes the matrix definite; a small share of the mean energy per mass hardly changes the metric.
+    ``is_definite``: whether the smallest level, to the precision of its factorization, is positive definite.
 
     Parameters
     ----------
     hierarchy : of L
     shift : positive
     depth : the hierarchy's level that is L
-
-    Attributes
-    ----------
-    is_definite : whether the smallest level, to the precision of its factorization, is positive definite
     """
 
     def __init__(self, hierarchy: Hierarchy, shift: float, depth: int = 0) -> None:

@@ -23,18 +23,15 @@ _Crew = tuple[str, tuple[str, ...], int]
 
 
 class Cluster:
-    """The workers of a Dask scheduler; used like a :class:`.process_pool.ProcessPool`.
+    """The workers of a Dask scheduler; used like a :class:`.child_loop.ProcessPool`.
+
+    Raises SettingError if Dask is missing, or no scheduler answers at the address.
 
     Parameters
     ----------
     address : of the scheduler, such as tcp://10.0.0.1:8786
     arguments : for each worker's Python, to start a warm process
     threads : that each solve may use
-
-    Raises
-    ------
-    SettingError
-        if Dask is missing, or no scheduler answers at the address
     """
 
     def __init__(self, address: str, arguments: Sequence[str], threads: int) -> None:

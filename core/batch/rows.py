@@ -44,16 +44,13 @@ class Row:
 def read_rows(jobs: str, shared: Sequence[str] = ()) -> Iterator[list[str] | SettingError]:
     """The command lines of a batch, and a :class:`SettingError` for each row that is not valid.
 
+    Raises SettingError for a missing file, or a pattern without matches or command.
+
     Parameters
     ----------
     jobs : path of a JSON Lines file, or a pattern such as "meshes/*.obj"
     shared : for a pattern, the command and its flags for each matching file, with ``{stem}`` for its name without
         suffix; empty for a JSON Lines file
-
-    Raises
-    ------
-    SettingError
-        for a missing file, or a pattern without matches or command
     """
     if shared:
         return _match_folder(jobs, list(shared))

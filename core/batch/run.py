@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import SettingError, one_line
 from ..files.declared import DeclaredFile, FileOwners
-from .child_loop import Task
-from .process_pool import ProcessPool
+from .child_loop import ProcessPool, Task
 from .records import Records
 from .rows import Keys, Row
 
@@ -32,12 +31,12 @@ class Planned:
     ----------
     label : for people, in one line
     key : of its record; None for a row that is not valid
-    told : JSON of its arguments, or why it is not valid
+    content : JSON of its arguments, or why it is not valid
     """
 
     label: str
     key: str | None
-    told: str
+    content: str
 
 
 def plan(
@@ -46,7 +45,7 @@ def plan(
     versions: object,
     own: Iterable[DeclaredFile] = (),
 ) -> list[Planned]:
-    """The rows of a batch.
+    """The rows of a batch. Raises SettingError if a row writes a file that another row, or the batch, reads or writes.
 
     Parameters
     ----------
@@ -54,11 +53,6 @@ def plan(
     understood : parses a command line, or raises SettingError
     versions : of everything that a result depends on
     own : files of the batch itself
-
-    Raises
-    ------
-    SettingError
-        if a row writes a file that another row, or the batch, reads or writes
     """
     keys, owners = Keys(versions), FileOwners()
     rows: list[Planned] = []
@@ -158,7 +152,7 @@ def run_rows(
 def _task(row: Planned, records: Records, versions: object) -> Task:
     return {
         "key": row.key,
-        "arguments": json.loads(row.told),
+        "arguments": json.loads(row.content),
         "working_folder": os.getcwd(),
         "folder": str(records.folder.absolute()),
         "versions": versions,

@@ -6,7 +6,6 @@ import heapq
 import statistics
 from collections.abc import Iterable, Iterator
 from html import escape
-from os import PathLike
 from pathlib import Path
 
 from ..files.whole import write_whole
@@ -34,7 +33,7 @@ h1 { font-size: 22px; margin: 0 0 14px } h2 { font-size: 16px; margin: 30px 0 10
 .card { background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden }
 .card img, .card .none { display: block; width: 100%; aspect-ratio: 4/3; object-fit: cover; background: var(--line) }
 .card .none { display: grid; place-items: center; color: var(--dim) }
-.card div.told { padding: 8px 12px 11px } .card h3 { font-size: 13px; margin: 0; overflow-wrap: anywhere }
+.card div.facts { padding: 8px 12px 11px } .card h3 { font-size: 13px; margin: 0; overflow-wrap: anywhere }
 .card dl { display: grid; grid-template-columns: auto 1fr; gap: 0 10px; margin: 5px 0 0;
   font-variant-numeric: tabular-nums }
 dt { color: var(--dim) } dd { margin: 0; text-align: right } .proved { color: var(--good) }
@@ -47,7 +46,7 @@ p.note { color: var(--dim) }
 """
 
 
-def write_sheet(path: str | PathLike[str], title: str, rows: Iterable[Planned], records: Records) -> None:
+def write_sheet(path: str | Path, title: str, rows: Iterable[Planned], records: Records) -> None:
     """Write the .html file of a batch; errors as :func:`..files.whole.write_whole`."""
     found = _Figures()
     kept = heapq.nlargest(_MOST, map(found.ranked, entries(rows, records)), key=lambda ranked: ranked[:2])
@@ -125,12 +124,12 @@ def _card(entry: Record, thumbnail: Path) -> str:
         picture = f'<img alt="" loading="lazy" src="data:image/jpeg;base64,{data}">'
     except OSError:
         picture = '<div class="none">no picture asked for</div>'
-    told = [f"<dt>{what}<dd>{value}" for what, value in _card_lines(entry)]
+    lines = [f"<dt>{what}<dd>{value}" for what, value in _card_lines(entry)]
     gap = _gap(entry)
     bar = "" if gap is None else f'<div class="bar"><i style="width:{100 * min(max(gap, 0), 1):.1f}%"></i></div>'
     return (
-        f'<div class="card">{picture}<div class="told"><h3>{entry["row"]} · {escape(entry["label"])}</h3>'
-        f"<dl>{''.join(told)}</dl>{bar}</div></div>"
+        f'<div class="card">{picture}<div class="facts"><h3>{entry["row"]} · {escape(entry["label"])}</h3>'
+        f"<dl>{''.join(lines)}</dl>{bar}</div></div>"
     )
 
 

@@ -33,13 +33,13 @@ def entries(rows: Iterable[Planned], records: Records) -> Iterator[Record]:
     for number, row in enumerate(rows, 1):
         entry = {"row": number, "label": row.label, "key": row.key}
         done = row.key and records.done(row.key)
-        failed = {"tries": 0, "reason": row.told} if row.key is None else records.failed(row.key)
+        failed = {"tries": 0, "reason": row.content} if row.key is None else records.failed(row.key)
         if done:
             yield entry | {"state": "done"} | done
         elif failed:
             yield entry | {"state": "failed"} | failed
         else:
-            yield entry | {"state": OPEN, "reason": "nobody has tried it yet"}
+            yield entry | {"state": OPEN, "reason": "not tried yet"}
 
 
 def _cell(value: object) -> object:

@@ -5,9 +5,7 @@ from .constraints.lines import Line, boundary_line, line_of_edges
 from .constraints.rows import Row
 from .directions import DirectionField, DirectionWishes, direction_field, given_directions
 from .guidance.guides import Guide
-from .patterns import Pattern
-from .quads import quad_pattern
-from .stripes import stripe_pattern
+from .patterns import Pattern, PatternWishes, quad_pattern, stripe_pattern
 
 __all__ = [
     "DirectionField",
@@ -15,6 +13,7 @@ __all__ = [
     "Guide",
     "Line",
     "Pattern",
+    "PatternWishes",
     "Row",
     "boundary_line",
     "direction_field",

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clebsch maps of a flow: vortex filaments of equal strength, and tubes (paper, Sections 3.6 and 4.6).
 
-A phase that turns with the velocity, d theta = velocity / hbar, is possible only up to vortex filaments, each of which
-carries the circulation h = 2 pi hbar. Two complex numbers instead of one, a point of the sphere S^3, need no filaments:
-their Hopf map to S^2 shows vortex tubes, and each of its projections is a map with filaments again.
+A phase with d theta = velocity / hbar exists only up to vortex filaments, each of which carries the circulation
+h = 2 pi hbar. Two complex numbers, a point of the sphere S^3, need no filaments: their Hopf map to S^2 shows vortex
+tubes, and each of their projections is a map with filaments again.
 """
 
 import time
@@ -12,36 +12,31 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..connection import Connection, circle_transports
 from ..defects import wrap
 from ..errors import SettingError, name_elements
 from ..geometry.grid import Grid
 from ..geometry.surface import Surface
+from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import components
 from ..interpolate import TURN
+from ..monitor import Callback
 from ..problem import Merged, SynchronizationProblem
 from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
 
-# Filaments that may pass a face on average. Between two corners a phase tells less than half a turn from more, and
-# each passage of a filament takes some hundred bytes.
+# The most filaments through a face on average: phases at two corners do not distinguish turns of more than a half.
 MOST_QUANTA = 0.5
 TINY = np.finfo(float).tiny
 
 
-def edge_integrals(grid, velocity):
-    """(e,) integral of a velocity along each edge, by the trapezoidal rule.
+def edge_integrals(grid: Grid | Surface, velocity: ArrayLike) -> np.ndarray:
+    """(e,) integrals of a velocity along the edges, by the trapezoidal rule.
 
-    Parameters
-    ----------
-    grid : Grid, or Surface
-    velocity : (n, d) at the nodes; of a surface (n, 3), of which the tangential part counts
-
-    Raises
-    ------
-    SettingError
-        for another shape, or values that are not numbers, naming the first node
+    The velocity is (n, d) at the nodes; on a surface (n, 3), whose tangential part counts. Raises SettingError for
+    another shape, or values that are not finite, naming the first node.
     """
     velocity = np.asarray(velocity, float)
     if isinstance(grid, Surface):
@@ -63,8 +58,8 @@ def edge_integrals(grid, velocity):
     return 0.5 * grid.spacing[axes] * (velocity[i, axes] + velocity[j, axes])
 
 
-def _surface_integrals(mesh, velocity):
-    """The same on a surface, where an edge lies at known angles in the tangent planes of both its ends."""
+def _surface_integrals(mesh: TriangleMesh, velocity: np.ndarray) -> np.ndarray:
+    """The same on a surface, where an edge has known angles in the tangent planes of its ends."""
     if velocity.shape != mesh.vertices.shape:
         raise SettingError(
             f"velocities of the shape {velocity.shape} on {mesh.vertex_count} vertices: give three numbers a vertex"
@@ -78,54 +73,42 @@ def _surface_integrals(mesh, velocity):
     return 0.5 * mesh.edge_lengths * (at_tail - at_head)
 
 
-def circulations(grid, integrals):
-    """(f,) circulation around each face, which is the vorticity through it."""
+def circulations(grid: Grid | Surface, integrals: np.ndarray) -> np.ndarray:
+    """(f,) circulation around each face: the flux of the vorticity through it."""
     return sum(sign * integrals[edge] for sign, edge in zip(grid.face_signs.T, grid.face_edges.T, strict=True))
 
 
-def mean_circulation(grid, integrals):
-    """Mean of the circulations around all faces that the flow reaches, whichever way."""
+def mean_circulation(grid: Grid | Surface, integrals: np.ndarray) -> float:
+    """Mean of the absolute circulations around the faces that the flow reaches."""
     reached = grid.face_signs.any(axis=1)
     return float(np.abs(circulations(grid, integrals)[reached]).mean())
 
 
-def faces_of_filament(grid, integrals, quantum):
-    """Faces that share the circulation of one filament, on average over the vorticity: few where cores are thin."""
+def faces_of_filament(grid: Grid | Surface, integrals: np.ndarray, quantum: float) -> float:
+    """Number of faces over which the circulation of a filament is spread, a mean over the vorticity."""
     reached = grid.face_signs.any(axis=1)
     around = np.abs(circulations(grid, integrals)[reached])
     return float(quantum * around.sum() / (around**2).sum())
 
 
-def quantum_for(grid, integrals, count):
-    """The circulation h of one filament so that about ``count`` of them pass the plane with most vorticity.
-
-    In two dimensions there is one plane. What passes it one way counts, the way in which more does.
-
-    Raises
-    ------
-    SettingError
-        for a flow without vorticity
-    """
+def quantum_for(grid: Grid | Surface, integrals: np.ndarray, count: float) -> float:
+    """The circulation h of a filament for about ``count`` filaments through the plane with most vorticity, in the
+    direction in which more pass; SettingError for a flow without vorticity."""
     largest = layer_sums(grid, circulations(grid, integrals))
-    if largest <= 1e-9 * np.abs(integrals).sum():  # what rounding makes of a flow without any
+    if largest <= 1e-9 * np.abs(integrals).sum():  # rounding errors
         raise SettingError("the flow has no vorticity: there are no vortices to show")
     return largest / count
 
 
-def layer_sums(grid, fluxes):
-    """The largest sum of (f,) numbers through the faces of one plane that have the same sign."""
-    layers = grid.face_layers if grid.dimension == 3 else np.zeros(len(fluxes), int)
+def layer_sums(grid: Grid | Surface, fluxes: np.ndarray) -> float:
+    """The largest sum of the (f,) numbers of one sign on a plane of the grid."""
+    layers = grid.face_layers if isinstance(grid, Grid) and grid.dimension == 3 else np.zeros(len(fluxes), int)
     return max(np.bincount(layers, np.maximum(way, 0)).max(initial=0) for way in (fluxes, -fluxes))
 
 
-def clebsch_problem(grid, integrals, quantum):
-    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13).
-
-    Raises
-    ------
-    SettingError
-        for a circulation that is not positive, or so small that more than ``MOST_QUANTA`` pass a face on average
-    """
+def clebsch_problem(grid: Grid | Surface, integrals: np.ndarray, quantum: float) -> SynchronizationProblem:
+    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13); SettingError for
+    one that is not positive, or with more than ``MOST_QUANTA`` filaments through a face on average."""
     if not (np.isfinite(quantum) and quantum > 0):
         raise SettingError(f"the circulation of a filament is {quantum}: give a positive one")
     mean = mean_circulation(grid, integrals)
@@ -140,8 +123,8 @@ def clebsch_problem(grid, integrals, quantum):
     return SynchronizationProblem(connection, grid.masses, _merge_seam_sides(grid))
 
 
-def _merge_seam_sides(grid):
-    """The two sides of a one-sided surface's seam, where there is one: what a velocity makes of a phase has no side."""
+def _merge_seam_sides(grid: Grid | Surface) -> Merged | None:
+    """Merge both sides of the seam of a one-sided surface: the phase of a velocity does not depend on the side."""
     if not isinstance(grid, Surface) or grid.seam is None:
         return None
     labels = components(grid.node_count, grid.seam)
@@ -156,12 +139,8 @@ class ClebschMap:
 
     Attributes
     ----------
-    grid : Grid, or Surface
     integrals : (e,) of the velocity along the edges
     quantum : circulation of one filament
-    problem : SynchronizationProblem
-    options : Options of the solution
-    solution : Solution
     phases : (n,) complex, the solution's or others (:meth:`showing`)
     """
 
@@ -174,49 +153,55 @@ class ClebschMap:
     phases: np.ndarray
 
     @property
-    def energy(self):
-        """Of the phases that are shown."""
+    def regular_grid(self) -> Grid:
+        """The grid of a map that is not on a surface."""
+        assert isinstance(self.grid, Grid)
+        return self.grid
+
+    @property
+    def energy(self) -> float:
+        """The energy of the phases."""
         return self.problem.energy(self.phases)
 
-    def showing(self, phases):
+    def showing(self, phases: np.ndarray) -> "ClebschMap":
         """The map with other phases of the same problem."""
         return replace(self, phases=phases)
 
     @property
-    def lean(self):
-        """The map without what only its solve needs."""
+    def lean(self) -> "ClebschMap":
+        """The map without data that only its solve needs."""
         solution = replace(self.solution, lifted=None, variations=self.solution.phases[None])
         problem = clebsch_problem(self.grid, self.integrals, self.quantum)
         return replace(self, problem=problem, solution=solution)
 
     @cached_property
-    def vorticity(self):
-        """Of the flow through all faces, whichever way."""
+    def vorticity(self) -> float:
+        """Sum of the absolute circulations around all faces."""
         return float(np.abs(circulations(self.grid, self.integrals)).sum())
 
     @cached_property
-    def changes(self):
-        """(e,) phase change along each edge, the nearest to what the flow asks for."""
+    def changes(self) -> np.ndarray:
+        """(e,) phase change along each edge, the one nearest to the flow's."""
         i, j = self.grid.edges.T
         asked = TURN / self.quantum * self.integrals
         arguments = np.angle(self.phases)
         return asked + wrap(arguments[j] - arguments[i] - asked)
 
     @cached_property
-    def face_numbers(self):
-        """(f,) filaments through each face, counted with their direction; they cancel around every cell."""
+    def face_numbers(self) -> np.ndarray:
+        """(f,) signed number of filaments through each face; the sum over a cell is zero."""
         return np.rint(circulations(self.grid, self.changes) / TURN).astype(int)
 
     @cached_property
-    def face_shares(self):
-        """(f,) what a filament that passes a face in the direction of its normal carries there of the flow's vorticity
-        through all faces; negative where the flow's vorticity goes the other way."""
+    def face_shares(self) -> np.ndarray:
+        """(f,) share of the vorticity that a filament along a face's normal carries there; negative against the
+        flow."""
         return self.quantum * np.sign(circulations(self.grid, self.integrals)) / max(self.vorticity, TINY)
 
     @property
-    def vorticity_share(self):
-        """What of the flow's vorticity through all faces the filaments carry, less what they carry against it; None for
-        a flow without any."""
+    def vorticity_share(self) -> float | None:
+        """Share of the flow's vorticity that the filaments carry, less what they carry against it; None if there is
+        none."""
         return float(self.face_numbers @ self.face_shares) if self.vorticity else None
 
 
@@ -226,10 +211,10 @@ class SphericalMap:
 
     Attributes
     ----------
-    found : ClebschMap whose relaxation it comes from
+    found : the map whose relaxation it comes from
     lifted : (n, 2) complex, unit rows
-    energy : of the lifted problem (Eq. 16 at epsilon 1); no less than the relaxation's bound
-    seconds : that it took
+    energy : of the lifted problem (Eq. 16 at epsilon 1), not below the relaxation's bound
+    seconds : of the solve
     """
 
     found: ClebschMap
@@ -238,16 +223,16 @@ class SphericalMap:
     seconds: float
 
     @cached_property
-    def sphere(self):
-        """(n, 3) unit vectors, the Hopf map: vortex tubes are where it goes around a point."""
+    def sphere(self) -> np.ndarray:
+        """(n, 3) unit vectors, the Hopf map: vortex tubes surround the places where it meets a point."""
         first, second = self.lifted.T
         both = 2 * first.conj() * second
         return np.column_stack([both.real, both.imag, np.abs(first) ** 2 - np.abs(second) ** 2])
 
-    def seen_from(self, point):
-        """The :class:`ClebschMap` whose filaments are where the map to S^2 meets the antipode of a unit vector."""
+    def seen_from(self, point: ArrayLike) -> ClebschMap:
+        """The map to the circle whose filaments are where the map to S^2 meets the antipode of a point."""
         x, y, z = np.asarray(point, float) / np.linalg.norm(point)
-        # A pair of complex numbers that the Hopf map takes to the point: the projection is on it.
+        # Project on a pair of complex numbers whose Hopf image is the point.
         theta, phi = np.arccos(np.clip(z, -1, 1)), np.arctan2(y, x)
         direction = np.array([np.cos(theta / 2), np.exp(1j * phi) * np.sin(theta / 2)])
         values = self.lifted @ direction.conj()
@@ -255,17 +240,14 @@ class SphericalMap:
         return self.found.showing(np.where(lengths > 0, values / np.where(lengths > 0, lengths, 1), 1))
 
     @cached_property
-    def face_areas(self):
-        """(f,) signed area of S^2 that the map covers on each face, over 4 pi: vorticity through it, in quanta."""
+    def face_areas(self) -> np.ndarray:
+        """(f,) signed area of S^2 that the map covers on each face, over 4 pi: its vorticity in quanta."""
         first, *others = np.moveaxis(self.sphere[self.found.grid.faces], 1, 0)
-        return sum(_solid_angles(first, b, c) for b, c in pairwise(others)) / (4 * np.pi)
+        return np.sum([_solid_angles(first, b, c) for b, c in pairwise(others)], axis=0) / (4 * np.pi)
 
 
-def spherical_map(found, callback=None):
-    """The :class:`SphericalMap` of a solved :class:`ClebschMap`: its relaxation at rank 2.
-
-    It has what the map left of its time limit, and comes less far where that is short.
-    """
+def spherical_map(found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
+    """Solve the relaxation of a map at rank 2, within the rest of its time limit."""
     begin = time.perf_counter()
     problem = found.problem
     coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback)
@@ -274,22 +256,24 @@ def spherical_map(found, callback=None):
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
-def _solid_angles(a, b, c):
+def _solid_angles(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """(k,) signed solid angles of spherical triangles of unit vectors (van Oosterom and Strackee 1983)."""
     volume = np.einsum("ij,ij->i", a, np.cross(b, c))
     dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
     return 2 * np.arctan2(volume, 1 + sum(dots))
 
 
-def clebsch_map(grid, integrals, quantum, options=None, callback=None, start=None):
-    """The :class:`ClebschMap` of a flow.
+def clebsch_map(
+    grid: Grid | Surface,
+    integrals: np.ndarray,
+    quantum: float,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    start: Solution | None = None,
+) -> ClebschMap:
+    """Solve for the map of a flow with (e,) integrals along the edges (:func:`edge_integrals`).
 
-    Parameters
-    ----------
-    grid : Grid, or Surface
-    integrals : (e,) of the velocity along the edges (:func:`edge_integrals`)
-    quantum : circulation of one filament
-    options, callback, start : see :func:`core.solve.solve`
+    The quantum is the circulation of one filament; options, callback and start are those of :func:`core.solve.solve`.
     """
     options = Options() if options is None else options
     problem = clebsch_problem(grid, integrals, quantum)

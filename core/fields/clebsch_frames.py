@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clebsch maps of a flow that changes: each frame is solved from the one before and turned to it.
+"""Clebsch maps of a changing flow: each frame is solved from the one before and aligned with it.
 
-A map of the frame before fits the next one much better once its phases have grown by the potential of what the velocity
-gained, as far as that has one: the point of the sphere at each node stays, and only vortices are left to be moved.
+The phases of the frame before first grow by the potential whose gradient is nearest to the change of the velocity: the
+point of the sphere at each node stays, and only the vortices have to move.
 
-What a map leaves free is turned so that it changes least: the phase of all nodes of a map to the circle, a unitary
-matrix of a map to S^3, which is a rotation of its sphere. Colours of tubes and the point from which filaments are
-seen then mean the same in every frame.
+The freedom of a map is used to make it change least: the common phase of a map to the circle, a unitary matrix of a map
+to S^3, which is a rotation of its sphere. So the colours of tubes and the point that filaments are seen from mean the
+same in every frame.
 """
 
 import time
@@ -15,20 +15,19 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import dct, fft, idct, ifft
 
+from ..geometry.grid import Grid
 from ..interpolate import TURN
+from ..monitor import Callback
+from ..solve import Options
 from ..solve.lifted import lifted_of_rank
-from .clebsch import SphericalMap, clebsch_map
+from .clebsch import ClebschMap, SphericalMap, clebsch_map
 
 
-def following_map(before, integrals, options=None, callback=None):
-    """The :class:`ClebschMap` of the next frame of a flow, near the one before.
-
-    Parameters
-    ----------
-    before : ClebschMap of the method "sdp"
-    integrals : (e,) of the velocity of the frame, on the same grid
-    options, callback : see :func:`core.solve.solve`
-    """
+def solve_next_map(
+    before: ClebschMap, integrals: np.ndarray, options: Options | None = None, callback: Callback | None = None
+) -> ClebschMap:
+    """Solve for the map of the next frame, with (e,) integrals on the same grid, from the map before, of the method
+    "sdp"; options and callback as for :func:`core.solve.solve`."""
     grown = advance_phases(before, integrals)
     solution = before.solution
     start = replace(solution, phases=solution.phases * grown, lifted=solution.lifted * grown[:, None])
@@ -37,15 +36,8 @@ def following_map(before, integrals, options=None, callback=None):
     return found.showing(found.phases * (turn / abs(turn))) if turn != 0 else found
 
 
-def following_sphere(before, found, callback=None):
-    """The :class:`SphericalMap` of the next frame, near the one before.
-
-    Parameters
-    ----------
-    before : SphericalMap
-    found : ClebschMap of the frame
-    callback : see :func:`core.solve.solve`
-    """
+def solve_next_sphere(before: SphericalMap, found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
+    """Solve for the spherical map of the next frame, whose map to the circle is ``found``, from the one before."""
     begin = time.perf_counter()
     problem = found.problem
     start = before.lifted * advance_phases(before.found, found.integrals)[:, None]
@@ -56,16 +48,16 @@ def following_sphere(before, found, callback=None):
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
-def advance_phases(before, integrals):
-    """(n,) unit numbers that turn the phases of a map as the next frame's velocity asks, up to its vorticity."""
-    return np.exp(1j * potential(before.grid, TURN / before.quantum * (integrals - before.integrals)))
+def advance_phases(before: ClebschMap, integrals: np.ndarray) -> np.ndarray:
+    """(n,) unit numbers by which the phases of a map grow to the next frame, up to vorticity."""
+    return np.exp(1j * potential(before.regular_grid, TURN / before.quantum * (integrals - before.integrals)))
 
 
-def potential(grid, differences):
-    """(n,) numbers at the nodes of a :class:`Grid` whose differences along the edges are nearest to (e,) given ones.
+def potential(grid: Grid, differences: np.ndarray) -> np.ndarray:
+    """(n,) numbers at the nodes of a grid whose differences along the edges are nearest to (e,) given ones.
 
-    Poisson's equation with the grid's own weights and masses, which cosines, and waves along periodic axes, make
-    diagonal; as if there were no obstacles, which is near enough for a start.
+    Poisson's equation with the grid's weights and masses, diagonal in cosines, and in waves along periodic axes;
+    obstacles are ignored, which is near enough for a start.
     """
     i, j = grid.edges.T
     flow = grid.weights * differences

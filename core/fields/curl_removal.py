@@ -13,17 +13,20 @@ Changes between nodes that are known from constraints stay as they are. Where no
 the sum of C c is fixed (for directions by the topology): its mean over the area stays.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
-from scipy.sparse.linalg import LinearOperator, cg
+from scipy.sparse.linalg import SuperLU, cg
 
-from ..algebra.metric import Hierarchy, definite_metric
+from ..algebra.factorization import factorize
 from ..connection import Connection, as_matrices
 from ..defects import wrap
-from ..errors import SettingError, SynchError
+from ..errors import SettingError
 from ..gauge import balance
 from ..geometry.handles import handle_changes
 from ..geometry.tet_mesh import TetMesh
@@ -36,12 +39,9 @@ from .guidance.potentials import potential
 
 # The least weight, so that edges of needles change freely.
 SMALLEST_WEIGHT = 1e-3
-# Keeps the Laplacian definite in single precision, as a share of its scale.
-SMALL_SHIFT = 1e-6
-# Of the solution relative to the right side, in each of two runs: the second corrects the rounding of the first.
-PRECISION, MAX_STEPS, RUNS = 1e-8, 400, 2
-# The same where the changes only lead to candidates: in one run, and without a hierarchy, which would take longer to
-# build than the rest of the solve.
+# Keeps the factorized Laplacian definite, as a share of its diagonal; the second solve corrects the first.
+SHIFT, SOLVES = 1e-13, 2
+# Residual relative to the right side, and most steps, where the changes only lead to candidates.
 ROUGH, ROUGH_STEPS = 1e-1, 100
 
 
@@ -109,29 +109,49 @@ def remove_holonomy(
     holonomy: np.ndarray,
     weights: np.ndarray,
     known: np.ndarray | None = None,
-    precision: float = PRECISION,
+    rough: bool = False,
 ) -> CurlRemoval:
     """The correction of changes with given sums.
-
-    Raises :class:`SynchError` where the solve does not converge.
 
     Parameters
     ----------
     holonomy : (s,) sums of the changes
     weights : (c,) of the changes
     known : (c,) changes known from constraints less the target changes, nan where unknown; optional
+    rough : whether an approximate one will do
     """
-    softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
-    correction = np.zeros(len(weights))
+    softness, correction = _softness(weights, known), np.zeros(len(weights))
     if known is not None:
-        softness[~np.isnan(known)] = 0
         correction = np.nan_to_num(known)
         holonomy = holonomy + circulation.matrix @ correction
     flow = (diags_array(softness) @ circulation.matrix.T).tocsr()
     laplacian = (circulation.matrix @ flow).tocsr()
     removed, follows = _removable(circulation, softness > 0, holonomy)
-    found = _solve_rows(laplacian, removed, ~follows & (laplacian.diagonal() > 0), precision)
+    found = _solve_rows(laplacian, removed, ~follows & (laplacian.diagonal() > 0), rough)
     return CurlRemoval(correction - flow @ found, found)
+
+
+def varying_part(
+    circulation: Circulation, holonomy: np.ndarray, weights: np.ndarray, length: float, known: np.ndarray | None = None
+) -> np.ndarray:
+    """(s,) the part of a holonomy h that varies over less than about a length: h - A (A + length^2 C W^-1 C^T)^-1 h.
+
+    A are the areas; other arguments as of :func:`remove_holonomy`.
+    """
+    flow = diags_array(_softness(weights, known)) @ circulation.matrix.T
+    laplacian = (circulation.matrix @ flow).tocsr()
+    shift = SHIFT * laplacian.diagonal().max(initial=0.0)
+    smoothing = diags_array(circulation.areas + shift) + length**2 * laplacian
+    part: np.ndarray = holonomy - circulation.areas * factorize(smoothing.tocsr(), single=False).solve(holonomy)
+    return part
+
+
+def _softness(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
+    """(c,) how freely changes vary: not at all where they are known."""
+    softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
+    if known is not None:
+        softness[~np.isnan(known)] = 0
+    return softness
 
 
 def removable_rows(circulation: Circulation, free: np.ndarray, laplacian: csr_matrix) -> np.ndarray:
@@ -169,28 +189,48 @@ def _removable(circulation: Circulation, free: np.ndarray, holonomy: np.ndarray)
     return holonomy - sides * areas * totals[pieces], follows & sealed
 
 
-def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, precision: float) -> np.ndarray:
+def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, rough: bool) -> np.ndarray:
     """Solution in the wanted rows, zero in the others."""
     result = np.zeros_like(right)
     rows = np.flatnonzero(wanted)
     if len(rows) == 0:
         return result
-    scale = matrix.diagonal()[rows].mean()
-    matrix, right = (matrix[rows][:, rows] / scale).tocsr(), right[rows] / scale
-    if precision >= ROUGH:
-        result[rows] = cg(matrix, right, rtol=precision, maxiter=ROUGH_STEPS, M=diags_array(1 / matrix.diagonal()))[0]
+    matrix, right = matrix[rows][:, rows].tocsr(), right[rows]
+    if rough:
+        inverse = diags_array(1 / matrix.diagonal())
+        result[rows] = cg(matrix, right, rtol=ROUGH, maxiter=ROUGH_STEPS, M=inverse)[0]
         return result
-    metric = definite_metric(Hierarchy(matrix, np.ones(len(rows)), 1), SMALL_SHIFT)
-    preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)
-    for _ in range(RUNS):
-        residual = right - matrix @ result[rows]
-        step, failed = cg(matrix, residual, rtol=precision, maxiter=MAX_STEPS, M=preconditioner)
-        if failed:
-            raise SynchError(
-                "the least change that takes out the holonomy was not found: remove the mesh's flattest triangles"
-            )
-        result[rows] += step
+    factors = _factors(matrix)
+    for _ in range(SOLVES):
+        result[rows] += factors.solve(right - matrix @ result[rows])
     return result
+
+
+# Matrices and factors that are kept, newest last; None where none are.
+_kept: ContextVar[list[tuple[csr_matrix, SuperLU]] | None] = ContextVar("kept", default=None)
+# How many are kept: those of directions and of patterns.
+_KEPT = 2
+
+
+@contextmanager
+def keep_factors() -> Iterator[None]:
+    """Keep the last factorizations until the end: other spacings lead to the same matrix."""
+    token = _kept.set([])
+    try:
+        yield
+    finally:
+        _kept.reset(token)
+
+
+def _factors(matrix: csr_matrix) -> SuperLU:
+    kept = _kept.get() or []
+    for known, factors in kept:
+        if known.shape == matrix.shape and known.nnz == matrix.nnz and abs(known - matrix).max() == 0:
+            return factors
+    factors = factorize(matrix + SHIFT * diags_array(matrix.diagonal()), single=False)
+    if _kept.get() is not None:
+        _kept.set([*kept[1 - _KEPT :], (matrix, factors)])
+    return factors
 
 
 def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ phase exp(i n a) for a direction at angle a in the vertex's tangent plane.
 
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +25,7 @@ from ..solve.warm_start import Follower
 from .animation import carry_angles, nearest_representatives, next_solution
 from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
-from .curl_removal import ROUGH, CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
+from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation, varying_part
 from .evenness import quantiles
 from .guidance.guides import Guide, blend_guides
 from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
@@ -46,6 +47,7 @@ class DirectionWishes:
     singularities : share of the curvature's unevenness that is kept, from 0 to 1: fewer disclinations below 1, down to
         the fewest that the surface's topology allows (see :mod:`.curl_removal`)
     pins : triangles and the indices of their disclinations, multiples of 1 / symmetry; 0 for no disclination
+    detail : length over which curvature has to vary to turn the directions, 0 for all
     """
 
     guides: tuple[tuple[Guide, float], ...] = ()
@@ -53,11 +55,12 @@ class DirectionWishes:
     mirrors: tuple[Reflection, ...] = ()
     singularities: float = 1.0
     pins: tuple[tuple[int, float], ...] = ()
+    detail: float = 0.0
 
     @property
     def corrects(self) -> bool:
         """Whether they change the connection's turns around faces."""
-        return self.singularities < 1 or bool(self.pins)
+        return self.singularities < 1 or bool(self.pins) or self.detail > 0
 
 
 @dataclass(frozen=True)
@@ -92,11 +95,11 @@ class DirectionField:
         vectors: np.ndarray = np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
         return vectors
 
-    def turned(self, angle: float | np.ndarray) -> "DirectionField":
+    def turned(self, angle: float | np.ndarray) -> Self:
         """The field with every direction turned counterclockwise by an angle in radians."""
         return replace(self, angles=self.angles + angle, turn=self.turn + angle)
 
-    def flattened(self, share: float, known: np.ndarray | None = None) -> "DirectionField":
+    def flattened(self, share: float, known: np.ndarray | None = None) -> Self:
         """The field with the scale of a metric in which it is parallel except at its disclinations, or a share of it.
 
         The Levi-Civita connections of conformal metrics differ by the change, across the edges, of the factor's
@@ -139,7 +142,7 @@ class DirectionField:
         own = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(turns))
         return own.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
 
-    def showing(self, phases: np.ndarray) -> "DirectionField":
+    def showing(self, phases: np.ndarray) -> Self:
         """The field with other phases of the same problem: a variation."""
         return replace(self, angles=np.angle(phases) / self.symmetry + self.turn)
 
@@ -165,6 +168,14 @@ class DirectionField:
         posed = self.mesh.posed
         own = self.correction is not None or posed is self.mesh
         return None if own else matchings(posed, self.angles, self.symmetry)
+
+
+@dataclass(frozen=True)
+class SolvedField(DirectionField):
+    """A direction field with the problem that it solves."""
+
+    solution: Solution
+    problem: SynchronizationProblem
 
 
 def direction_problem(
@@ -214,7 +225,8 @@ def _curl_removing_turns(
     """(e,) radians, approximate turns that remove the curvature, of which the connection has a share."""
     known = known_turns(connection, fixed, merged)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
-    return remove_holonomy(circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, ROUGH).correction
+    holonomy = share * symmetry * mesh.face_curvatures
+    return remove_holonomy(circulation, holonomy, mesh.weights, known, rough=True).correction
 
 
 def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, known: np.ndarray | None) -> np.ndarray:
@@ -228,11 +240,18 @@ def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, know
     correction = np.zeros(len(mesh.edges))
     if wishes.singularities < 1:
         correction += (1 - wishes.singularities) * _remove_curvature(mesh, symmetry, 0, known).correction
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    if wishes.detail > 0:
+        if known is not None:
+            correction = np.where(np.isnan(known), correction, known)
+        curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
+        part = varying_part(circulation, curvature, mesh.weights, wishes.detail, known)
+        rest = None if known is None else known - correction
+        correction += remove_holonomy(circulation, part, mesh.weights, rest).correction
     if not wishes.pins:
         return correction
     if wishes.mirrors:
         raise SettingError("pins hold one side of a mirror alone: remove the pins, or the mirror")
-    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
     curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
     asked = np.zeros(mesh.triangle_count)
     for triangle, index in wishes.pins:
@@ -264,7 +283,7 @@ def direction_field(
     before: DirectionField | None = None,
     follower: Follower | None = None,
     start: np.ndarray | None = None,
-) -> DirectionField:
+) -> SolvedField:
     """The smoothest direction field that follows the wishes.
 
     Parameters
@@ -290,7 +309,7 @@ def direction_field(
     angles = np.angle(solution.phases) / symmetry
     if carried is not None:
         angles = nearest_representatives(angles, carried, symmetry)
-    field = DirectionField(mesh, symmetry, angles, solution, problem, correction=correction)
+    field = SolvedField(mesh, symmetry, angles, solution, problem, correction=correction)
     return field.flattened(1 - wishes.singularities, known)
 
 

@@ -16,12 +16,12 @@ from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..monitor import Callback
 from ..problem import Merged, SynchronizationProblem, Targets
+from ..refinement.spacing import check_spacing
 from ..solve import Options, Solution, solve
 from .constraints.groups import Links, contract_groups, fixed_phases, join_links
 from .curl_removal import check_share, close_changes, known_turns
 from .evenness import quantiles
 from .guidance.potentials import potential
-from .patterns import check_spacing
 
 # Share of the volume at either end that does not count for the thinnest and thickest layers, as single extremes.
 _RARE = 0.01
@@ -257,6 +257,9 @@ def layer_problem(
 ) -> SynchronizationProblem:
     """The synchronization problem of layers.
 
+    Raises SettingError for directions or spacings that do not fit; ContradictionError where groups ask for different
+    phases.
+
     Parameters
     ----------
     directions : (n, 3) unit vectors across the layers (:mod:`core.fields.guidance.solids`)
@@ -264,13 +267,6 @@ def layer_problem(
     groups : surfaces that layers follow; the boundary is free elsewhere
     branching : share of the growth's curl that is kept, from 0 to 1: fewer and shorter curves where layers branch
         below 1, for distances that vary more (see :mod:`.curl_removal`)
-
-    Raises
-    ------
-    SettingError
-        for directions or spacings that do not fit
-    ContradictionError
-        where groups ask for different phases
     """
     return pose_layers(SolidTargetOneForm.of(mesh, directions, spacing), groups, branching)[1]
 

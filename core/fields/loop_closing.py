@@ -25,7 +25,7 @@ from scipy.sparse.csgraph import dijkstra
 from ..algebra.factorization import factorize
 from ..geometry.triangle_mesh import TriangleMesh
 from ..matchings import after_turns
-from .curl_removal import SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
+from .curl_removal import SHIFT, SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
 from .mirror import Mirror, Reflection
 from .patterns import Pattern
 from .target_one_form import TargetOneForm
@@ -34,8 +34,6 @@ from .target_one_form import TargetOneForm
 INDEPENDENT = 1e-2
 # A projection smaller than this share of its row is a rounding error: constraints fix all changes across the walk.
 FREE = 1e-6
-# Keeps the factorized matrix definite, as a share of its diagonal.
-SHIFT = 1e-13
 # The largest difference between sums along the mesh's edges and the quads that the walk passes, in quads.
 SAME_WALK = 0.4
 

@@ -26,23 +26,17 @@ def sum_through_squares(grid: Grid, fluxes: np.ndarray, size: int) -> np.ndarray
 
 
 def loop_error(found: ClebschMap, size: int) -> float | None:
-    """Root mean square difference, in quanta, between the filaments through all such loops and the flow's circulation
-    along them, for a map on a grid; None where there is no loop."""
-    assert isinstance(found.grid, Grid)
-    missing = circulations(found.grid, found.integrals) / found.quantum - found.face_numbers
-    differences = sum_through_squares(found.grid, missing, size)
+    """Root mean square difference, in quanta, between the filaments through all square loops of a size and the flow's
+    circulation along them; None where there is no loop."""
+    grid = found.regular_grid
+    missing = circulations(grid, found.integrals) / found.quantum - found.face_numbers
+    differences = sum_through_squares(grid, missing, size)
     return float(np.sqrt(np.mean(differences**2))) if len(differences) else None
 
 
-def flow_helicity(grid, integrals):
-    """The helicity of a flow in space, the integral of velocity times vorticity: in each open cell, the means of its
-    edges along an axis and of its faces across it.
-
-    Parameters
-    ----------
-    grid : Grid of three dimensions
-    integrals : (e,) of the velocity along the edges
-    """
+def flow_helicity(grid: Grid, integrals: np.ndarray) -> float:
+    """The helicity of a flow in space, the integral of velocity times vorticity, from (e,) integrals along the edges:
+    in each open cell, the means of its edges along an axis and of its faces across it."""
     faces = grid.cell_faces
     flux = circulations(grid, integrals)[faces]
     # A cell's four edges along an axis are around its faces across the next axis.

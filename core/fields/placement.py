@@ -12,14 +12,14 @@ from ..interpolate import dislocation_numbers
 from ..solution import COARSE, Options
 from ..solve import solve
 from ..solve.lifted import LiftedField
-from .directions import DirectionField
+from .directions import SolvedField
 from .patterns import Pattern
 
 # Directions tried for defects at chosen vertices.
 TRIES = 16
 # Energy above the best, as a share of it, up to which a drawn variation counts as near.
 NEAR = 0.05
-_Field = TypeVar("_Field", Pattern, DirectionField)
+_Field = TypeVar("_Field", Pattern, SolvedField)
 
 
 def variation(pattern: _Field, number: int) -> _Field:
@@ -28,7 +28,6 @@ def variation(pattern: _Field, number: int) -> _Field:
     The first numbers, from 0, are the local optima found by the solve, best first; higher numbers are the seeds of a
     search on a coarser problem, from which descent leads to a local optimum.
     """
-    assert pattern.problem is not None and pattern.solution is not None
     ready = pattern.solution.variations
     if number < len(ready):
         return pattern.showing(ready[number])
@@ -39,7 +38,6 @@ def variation(pattern: _Field, number: int) -> _Field:
 
 def nearest_variation(pattern: _Field, numbers: Iterable[int]) -> int:
     """The first of some numbers whose variation is near the best in energy, or the one that is nearest."""
-    assert pattern.solution is not None
     energies: dict[int, float] = {}
     for number in numbers:
         energy = variation(pattern, number).energy
@@ -59,7 +57,6 @@ def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
     Raises :class:`SettingError` for numbers that are not vertices, more vertices than the lifted field allows, or where
     no direction has defects at all of them.
     """
-    assert pattern.problem is not None and pattern.solution is not None
     field = LiftedField(pattern.problem, pattern.solution)
     count = pattern.growth.phase_count
     vertices = check_vertices(vertices, pattern.mesh.vertex_count)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The circulation of one filament, chosen by what quick solves on coarser and coarser grids show with it."""
+"""The circulation of one filament, chosen by quick solves on coarser grids."""
 
 from contextlib import suppress
 
@@ -7,10 +7,12 @@ import numpy as np
 
 from ..errors import MeshError
 from ..geometry.grid import Grid
-from ..monitor import Monitor
+from ..geometry.surface import Surface
+from ..monitor import Callback, Monitor
 from ..solve import Options
 from .clebsch import (
     MOST_QUANTA,
+    ClebschMap,
     circulations,
     clebsch_map,
     edge_integrals,
@@ -19,35 +21,35 @@ from .clebsch import (
     quantum_for,
 )
 
-# Circulations that are tried fall by this factor; a share of the vorticity may exceed the whole by so much.
+# Circulations that are tried decrease by this factor; the share of the vorticity may be up to this.
 STEP, EXCESS = 0.5**0.5, 1.1
-# Nodes of the grid that the search begins on at most, and of the finest that it goes on to.
+# The most nodes of the grid where the search begins, and of the finest grid.
 COARSE_NODES, FINE_NODES = 5_000, 40_000
-# Quick solves find some more filaments than full ones: their share has to be larger by this.
+# Quick solves find slightly more filaments than full ones: their share has to be larger by this.
 MARGIN = 0.03
 
 
-def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callback=None):
-    """The largest circulation of a filament with which the filaments carry a share of the vorticity.
+def find_quantum(
+    grid: Grid | Surface,
+    integrals: np.ndarray,
+    share: float,
+    count: float | None = None,
+    largest: float | None = None,
+    seed: int = 0,
+    callback: Callback | None = None,
+) -> float:
+    """The largest circulation of a filament, to three digits, with which the filaments carry a share of the vorticity;
+    if there is none, the least that the grid can hold. SettingError for a flow without vorticity.
+
+    Returns float, of three digits; the least that the grid can hold where no circulation gives as much. Raises
+    SettingError for a flow without vorticity.
 
     Parameters
     ----------
-    grid : Grid, or Surface
     integrals : (e,) of the velocity along the edges
-    share : of the vorticity that is wanted
-    count : filaments that have to pass one plane of the grid one way; a number decides in place of the share
-    largest : circulation that is tried first; None for all that passes the plane with most vorticity
+    count : filaments through one plane of the grid, one way; decides instead of the share
+    largest : circulation to try first; None for all that passes the plane with most vorticity
     seed : of the quick solves
-    callback : see :func:`core.solve.solve`
-
-    Returns
-    -------
-    float, of three digits; the least that the grid can hold where no circulation gives as much
-
-    Raises
-    ------
-    SettingError
-        for a flow without vorticity
     """
     options, monitor = Options(method="coarse", seed=seed), Monitor(callback)
     most = quantum_for(grid, integrals, count or 1)
@@ -64,37 +66,30 @@ def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callb
     return max(quantum, _rounded(least_quantum(grid, integrals)))
 
 
-def shows_enough(found, share, count=None):
-    """Whether the filaments of a :class:`ClebschMap` carry a share of the vorticity, or, if a count is given, whether
-    so many of them pass one plane of the grid one way."""
+def shows_enough(found: ClebschMap, share: float, count: float | None = None) -> bool:
+    """Whether the filaments of a map carry a share of the vorticity, or pass one plane of the grid as often as
+    given."""
     if count is None:
         return (found.vorticity_share or 0) >= share
     return layer_sums(found.grid, found.face_numbers) >= count
 
 
-def least_quantum(grid, integrals):
-    """The circulation below which phases can hardly tell the filaments that pass a face apart."""
+def least_quantum(grid: Grid | Surface, integrals: np.ndarray) -> float:
+    """The circulation below which phases hardly distinguish the filaments through a face."""
     return 2 * mean_circulation(grid, integrals) / MOST_QUANTA
 
 
-def _rounded(quantum):
-    """To three digits, as messages name it."""
+def _rounded(quantum: float) -> float:
+    """Round to three digits, as in messages."""
     return float(f"{quantum:.3g}")
 
 
-def sampling_noise(grid, velocity):
-    """How much circulations around blocks of two by two faces change where every other node is left out, as a share of
-    them: near 0 for vorticity that the grid resolves, 1 where velocities are noise, and 3 where there is no vorticity
-    and the trapezoidal rule makes what is found, as its error grows by four.
+def sampling_noise(grid: Grid, velocity: np.ndarray) -> float | None:
+    """The relative change of circulations around blocks of two by two faces if every other node is left out; (n, d)
+    velocities at the nodes. None for a grid that cannot be halved, or a flow without vorticity.
 
-    Parameters
-    ----------
-    grid : Grid
-    velocity : (n, d) at its nodes
-
-    Returns
-    -------
-    float, None for a grid that cannot be halved or a flow without any vorticity
+    Near 0 for vorticity that the grid resolves, 1 for noise, and 3 where there is no vorticity but the error of the
+    trapezoidal rule, which grows by four.
     """
     if not grid.can_halve:
         return None
@@ -109,8 +104,8 @@ def sampling_noise(grid, velocity):
     return None
 
 
-def _levels(grid, integrals):
-    """The flow on grids that get coarser, as many as the search goes over."""
+def _levels(grid: Grid | Surface, integrals: np.ndarray) -> list[tuple[Grid | Surface, np.ndarray]]:
+    """The flow on the grids of the search, each coarser than the one before."""
     levels = [(grid, integrals)]
     with suppress(MeshError):  # obstacles leave no cell of a coarser grid open
         while isinstance(grid, Grid) and grid.node_count > COARSE_NODES and grid.can_halve:
@@ -119,11 +114,10 @@ def _levels(grid, integrals):
     return [level for level in levels[:-1] if level[0].node_count <= FINE_NODES] + levels[-1:]
 
 
-def halved(grid, integrals):
-    """A :class:`Grid` of every other node, and the integrals along its edges, which are sums of two.
+def halved(grid: Grid, integrals: np.ndarray) -> tuple[Grid, np.ndarray]:
+    """The grid of every other node, and the integrals along its edges, which are sums of two.
 
-    Circulations around its faces are those of the four faces in each. The last nodes of an open axis with an even
-    number of them are left out.
+    Circulations around its faces are sums of four. The last nodes of an open axis with an even number are left out.
     """
     shape = [count // 2 if ring else (count + 1) // 2 for count, ring in zip(grid.shape, grid.periodic, strict=True)]
     solid = grid.solid[(slice(None, None, 2),) * grid.dimension][tuple(map(slice, shape))]

@@ -9,8 +9,8 @@ from ..geometry import TriangleMesh
 from ..geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..interpolate import EdgePhases
 from ..interpolate_solid import evaluate_in_tets
+from ..refinement.spacing import COARSE_SHARE
 from .layers import LayerPattern, SolidTargetOneForm
-from .target_one_form import COARSE_SHARE
 
 
 @dataclass(frozen=True)

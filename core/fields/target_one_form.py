@@ -17,12 +17,10 @@ from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases
 from ..matchings import after_turns
 from ..problem import Merged, Targets
-from .curl_removal import PRECISION, ROUGH, known_turns, remove_holonomy, surface_circulation
+from .curl_removal import known_turns, remove_holonomy, surface_circulation
 from .directions import DirectionField
 
 AXES = "XYZ"
-# The largest share of edges along which a phase may turn by more than half a period.
-COARSE_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -101,10 +99,20 @@ class TargetOneForm:
 
     @cached_property
     def changes(self) -> np.ndarray:
-        """(e, k) target phase change along each edge, for the phases of its lower vertex, corrected.
+        """(e, k) target phase change along each edge, for the phases of its lower vertex, corrected."""
+        changes = self._uncorrected_changes
+        return changes if self.correction is None else changes + self.correction
 
-        It is the integral of v / hbar by the trapezoidal rule (Eq. 6). An edge has known angles in the tangent planes
-        of both ends, so that neighbouring faces agree by construction.
+    def reaching(self, changes: np.ndarray) -> "TargetOneForm":
+        """The growth with (e, k) changes in place of its own."""
+        return replace(self, correction=changes - self._uncorrected_changes)
+
+    @cached_property
+    def _uncorrected_changes(self) -> np.ndarray:
+        """(e, k) changes without their correction.
+
+        They are the integral of v / hbar by the trapezoidal rule (Eq. 6). An edge has known angles in the tangent
+        planes of both ends, so that neighbouring faces agree by construction.
         """
         i, j = self.mesh.edges.T
         numbers = np.arange(self.phase_count) * self.turn
@@ -113,7 +121,7 @@ class TargetOneForm:
         at_head = -self.rates[j] * np.cos(self.angles[j, None] + numbers - directions[:, 1:])
         lengths = self.mesh.edge_lengths * np.abs(self.stretch)
         changes: np.ndarray = 0.5 * lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
-        return changes if self.correction is None else changes + self.correction
+        return changes
 
     @cached_property
     def connection(self) -> Connection:
@@ -145,25 +153,25 @@ class TargetOneForm:
         """
         if share == 0:
             return self
-        return replace(self, correction=share * self._curl_removal(fixed, merged, PRECISION))
+        return replace(self, correction=share * self.curl_removal(fixed, merged))
 
     def curl_removing_turns(self, fixed: Targets, merged: Merged) -> np.ndarray:
         """(k e,) radians, approximate turns of the connection's edges that remove the curl, for candidates."""
-        return self.connection_turns(self._curl_removal(fixed, merged, ROUGH))
+        return self.connection_turns(self.curl_removal(fixed, merged, rough=True))
 
     def connection_turns(self, changes: np.ndarray) -> np.ndarray:
         """(k e,) radians by which additional (e, k) changes turn the connection's edges."""
         turns = changes.ravel()
         return np.where(self._flips, -turns, turns)
 
-    def _curl_removal(self, fixed: Targets, merged: Merged, precision: float) -> np.ndarray:
-        """(e, k) correction of the changes that removes the curl."""
+    def curl_removal(self, fixed: Targets, merged: Merged, rough: bool = False) -> np.ndarray:
+        """(e, k) correction of the changes that removes the curl, optionally a rough one."""
         count = self.phase_count
         circulation, _ = surface_circulation(self.mesh, self.matchings, count)
         known = known_turns(self.connection, fixed, merged)
         known = np.where(self._flips, -known, known)
         weights = np.repeat(self.mesh.weights, count)
-        found = remove_holonomy(circulation, circulation.matrix @ self.changes.ravel(), weights, known, precision)
+        found = remove_holonomy(circulation, circulation.matrix @ self.changes.ravel(), weights, known, rough)
         return found.correction.reshape(-1, count)
 
     @property

@@ -1,31 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A flow of which only the vorticity is known: integrals along the edges of a grid with the same circulations.
+"""A flow from its vorticity: integrals along the edges of a grid with the same circulations.
 
-On a regular grid d of edges to faces is diagonal in waves: cosines at the nodes of an open axis and sines between them,
-complex exponentials along a periodic one. With the multipliers l of the differences the velocity of least size whose
-curl is nearest to w is u = conj(l) x w / |l|^2. A potential's gradient, and a uniform flow around a periodic box, have
-no vorticity: they stay unknown, and filaments do not depend on the first.
+On a regular grid the curl, from edges to faces, is diagonal in waves: cosines at the nodes of an open axis and sines
+between them, complex exponentials along a periodic one. With the multipliers l of differences, the least velocity whose
+curl is nearest to w is u = conj(l) x w / |l|^2. Gradients, and a uniform flow around a periodic box, have no vorticity:
+they stay unknown, and filaments do not depend on gradients.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.fft import dct, dst, fft, idct, idst, ifft
 
 from ..errors import SettingError
+from ..geometry.grid import Grid
 
 
-def vorticity_integrals(grid, vorticity):
-    """(e,) integrals along the edges of a velocity with a given vorticity.
-
-    Parameters
-    ----------
-    grid : Grid of three dimensions
-    vorticity : (n, 3) at its nodes; what of it has a divergence is left out
-
-    Raises
-    ------
-    SettingError
-        for a grid in a plane, and values that are not numbers
-    """
+def vorticity_integrals(grid: Grid, vorticity: ArrayLike) -> np.ndarray:
+    """(e,) integrals along the edges of a velocity with a given vorticity, (n, 3) at the nodes of a grid in space,
+    without the part that has a divergence; SettingError for a grid in a plane, and values that are not numbers."""
     vorticity = np.asarray(vorticity, float)
     if vorticity.shape != (grid.node_count, 3) or grid.dimension != 3:
         raise SettingError(f"vorticity of the shape {vorticity.shape}: give three numbers a node of a grid in space")
@@ -35,12 +29,13 @@ def vorticity_integrals(grid, vorticity):
     return edges_of_faces(grid, fluxes)
 
 
-def edges_of_faces(grid, densities):
-    """(e,) integrals of the velocity whose circulations, over the faces' areas, are nearest to given arrays, of the
-    shape of the faces along each of the three normals."""
+def edges_of_faces(grid: Grid, densities: Sequence[np.ndarray]) -> np.ndarray:
+    """(e,) integrals of the velocity whose vorticity is nearest to that given, an array of the faces for each
+    normal."""
     waves = [_to_waves(grid, values, {0, 1, 2} - {normal}) for normal, values in enumerate(densities)]
     steps = [_multipliers(grid, axis) for axis in range(3)]
-    size = sum(np.abs(step) ** 2 for step in steps)
+    along_x, along_y, along_z = (np.abs(step) ** 2 for step in steps)
+    size = along_x + along_y + along_z
     size[0, 0, 0] = np.inf
     parts = []
     for axis in range(3):
@@ -50,7 +45,7 @@ def edges_of_faces(grid, densities):
     return np.concatenate(parts)
 
 
-def _face_means(grid, values, normal):
+def _face_means(grid: Grid, values: np.ndarray, normal: int) -> np.ndarray:
     """Means of the values at the four corners of each face across an axis."""
     for axis in {0, 1, 2} - {normal}:
         after = np.roll(values, -1, axis=axis)
@@ -60,15 +55,15 @@ def _face_means(grid, values, normal):
     return values
 
 
-def _multipliers(grid, axis):
-    """What differences along an axis multiply waves by, over the spacing, as an array along that axis."""
+def _multipliers(grid: Grid, axis: int) -> np.ndarray:
+    """The factors of waves in difference quotients along an axis, as an array along that axis."""
     count = grid.shape[axis]
     turn = np.arange(count) * (2 * np.pi / count if grid.periodic[axis] else np.pi / (count - 1))
     steps = np.exp(1j * turn) - 1 if grid.periodic[axis] else -2 * np.sin(turn / 2) + 0j
     return (steps / grid.spacing[axis]).reshape([-1 if axis == other else 1 for other in range(3)])
 
 
-def _to_waves(grid, values, between):
+def _to_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
     """Coefficients of an array; along the axes ``between`` its values lie between the nodes."""
     for axis in range(3):
         if grid.periodic[axis]:
@@ -80,7 +75,7 @@ def _to_waves(grid, values, between):
     return values
 
 
-def _from_waves(grid, values, between):
+def _from_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
     """The inverse of :func:`_to_waves`."""
     for axis in range(3):
         if grid.periodic[axis]:

@@ -69,10 +69,7 @@ class FileOwners:
 def check_clashes(files: Iterable[DeclaredFile]) -> None:
     """Refuse files of one command that would overwrite one another.
 
-    Raises
-    ------
-    SettingError
-        naming the two
+    Raises SettingError naming the two.
     """
     owners, listed = FileOwners(), list(files)
     for number, file in enumerate(listed):
@@ -85,12 +82,9 @@ def check_clashes(files: Iterable[DeclaredFile]) -> None:
 def check_inputs(files: Iterable[DeclaredFile]) -> None:
     """Refuse devices and pipes as inputs, which may never end, and names that the system refuses.
 
-    What is missing is told where it is read.
+    Missing files are reported where they are read.
 
-    Raises
-    ------
-    SettingError
-        naming the file
+    Raises SettingError naming the file.
     """
     for file in files:
         if file.is_written:
@@ -111,10 +105,7 @@ def check_inputs(files: Iterable[DeclaredFile]) -> None:
 def make_folders(files: Iterable[DeclaredFile]) -> Iterator[None]:
     """Make the missing folders of outputs; those that are still empty go again where the work inside fails.
 
-    Raises
-    ------
-    SettingError
-        naming a file whose folder cannot be made
+    Raises SettingError naming a file whose folder cannot be made.
     """
     made: list[Path] = []
     try:

@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many digits text files carry: nine of each number, and more of places far from the origin."""
+"""The number of digits in text files: nine, and more for points far from the origin."""
 
 import math
 
 import numpy as np
 
-# Nine digits tell all numbers of single precision apart, seventeen all of double precision.
+# Nine digits distinguish all numbers of single precision, seventeen all of double precision.
 DIGITS, MOST_DIGITS = 9, 17
 
 
-def number_format(points):
-    """The format of coordinates, such as "%.9g": their steps are a billionth of the points' extent or less.
-
-    Parameters
-    ----------
-    points : (n, d) places
-    """
+def number_format(points: np.ndarray) -> str:
+    """The format of the coordinates of (n, d) points, such as "%.9g": steps of a billionth of their extent or less."""
     extra = 0
     if len(points):
         largest, extent = float(np.abs(points).max()), float(np.ptp(points, axis=0).max())

@@ -12,40 +12,38 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SettingError
 from ..fields.guidance.face_directions import average_in_faces, face_frames
-from ..fields.guidance.guides import face_guide
+from ..fields.guidance.guides import Guide, face_guide
+from ..geometry import TriangleMesh
 from .border import border, check_promise, read_text
 from .whole import write_whole
 
 SUFFIXES = (".rawfield", ".rosy")
-
-# Memory that a line of a file takes beside its text while it is read, and rows whose words are read at once.
+# Number and text of a line.
+_Line = tuple[int, str]
+# Bytes of a line of a file, besides its text, while it is read, and number of rows that are read at once.
 _LINE_BYTES, _ROWS_AT_ONCE = 200, 4096
-# Vectors of a set that miss equal turns by more than this (as a cosine) cannot be told by one of them.
+# Vectors that miss equal turns by more than this (as a cosine) cannot be written as one of them.
 UNEQUAL = 1e-3
 
 
 @dataclass(frozen=True)
 class FaceField:
-    """Directions on faces.
+    """Directions on faces; SettingError for vectors of another shape.
 
     Attributes
     ----------
-    symmetry : int, N: 1 vectors, 2 lines, 4 crosses
+    symmetry : N: 1 vectors, 2 lines, 4 crosses
     vectors : (m, N, 3), counterclockwise, not matched from face to face; or (m, 1, 3), one that stands for all N
-
-    Raises
-    ------
-    SettingError
-        for another shape
     """
 
     symmetry: int
     vectors: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         shape = np.shape(self.vectors)
         if self.symmetry < 1 or len(shape) != 3 or shape[1] not in (1, self.symmetry) or shape[2] != 3:
             raise SettingError(
@@ -54,14 +52,8 @@ class FaceField:
             )
 
 
-def read_field(path):
-    """The field in a ``.rawfield`` or ``.rosy`` file, which the suffix tells apart.
-
-    Raises
-    ------
-    SettingError
-        naming the file, the line where there is one, and the remedy
-    """
+def read_field(path: str | Path) -> FaceField:
+    """Read a ``.rawfield`` or ``.rosy`` file; SettingError names the file, the line, and the remedy."""
     path = Path(path)
     read_header = _raw_header if _known_suffix(path) == ".rawfield" else _rosy_header
     with border(path):
@@ -79,14 +71,11 @@ def read_field(path):
         return FaceField(symmetry, _numbers(path, rows, 3 * width).reshape(count, width, 3))
 
 
-def write_field(path, face_field):
+def write_field(path: str | Path, face_field: FaceField) -> None:
     """Write a field as ``.rawfield`` or ``.rosy``, by the suffix; numbers keep all their digits.
 
-    Raises
-    ------
-    SettingError
-        for another suffix, a file that cannot be written, or a field that the format cannot hold: ``.rawfield``
-        needs all vectors of a face, ``.rosy`` equal turns between them
+    Raises SettingError for another suffix, a file that cannot be written, or a field that the format cannot hold:
+    ``.rawfield`` needs all vectors of a face, ``.rosy`` equal turns between them.
     """
     path = Path(path)
     count, given, _ = face_field.vectors.shape
@@ -104,26 +93,14 @@ def write_field(path, face_field):
         np.savetxt(made, rows, fmt="%.17g", header=header, comments="")
 
 
-def to_vertices(mesh, face_field):
-    """A guide from a field on faces.
+def to_vertices(mesh: TriangleMesh, face_field: FaceField) -> Guide:
+    """Make a guide from a field on the triangles of a mesh, in the same order.
 
-    The vectors of a face are replaced by the N equal turns that are nearest to their directions, and powers of
-    these are averaged by area; faces whose vectors miss such turns count for less. The angles are one
-    representative, up to turns by 2 pi / N. A face with a vector that is zero or normal to it asks for nothing.
+    The vectors of a face are replaced by the N equal turns nearest to their directions, whose powers are averaged by
+    area; faces whose vectors miss such turns count for less. The angles are one representative, up to turns by
+    2 pi / N. A face with a vector that is zero or normal to it does not count.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh whose triangles are the field's faces, in the same order
-    face_field : FaceField
-
-    Returns
-    -------
-    Guide
-
-    Raises
-    ------
-    SettingError
-        where faces and triangles are not as many, or no face has a direction
+    Raises SettingError where the numbers of faces and triangles differ, or no face has a direction.
     """
     vectors = face_field.vectors
     if len(vectors) != mesh.triangle_count:
@@ -142,30 +119,20 @@ def to_vertices(mesh, face_field):
     return face_guide(mesh, np.where(defined, mesh.areas * sizes * powers, 0), face_field.symmetry)
 
 
-def from_vertices(mesh, symmetry, angles):
-    """Unit vectors on faces from directions at vertices: the mean of the three corners' powers.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    symmetry : int, N
-    angles : (n,) radians in the vertices' tangent planes, one representative each
-
-    Returns
-    -------
-    FaceField with (m, N, 3) vectors, counterclockwise
-    """
+def from_vertices(mesh: TriangleMesh, symmetry: int, angles: ArrayLike) -> FaceField:
+    """(m, N, 3) unit vectors on faces, counterclockwise, from (n,) angles at vertices, radians in their tangent planes,
+    by the mean of the three corners' powers."""
     powers = average_in_faces(mesh, np.exp(1j * symmetry * np.asarray(angles, float)), symmetry)
     turns = np.angle(powers)[:, None] / symmetry + 2 * np.pi / symmetry * np.arange(symmetry)
     x, y = face_frames(mesh)
     return FaceField(symmetry, np.cos(turns)[..., None] * x[:, None] + np.sin(turns)[..., None] * y[:, None])
 
 
-def _nearest_star(tangent, lengths):
-    """The first arm of the equal turns nearest to (m, k) complex vectors, and where all of them have a direction.
+def _nearest_star(tangent: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The first of the N equal turns nearest to (m, N) complex vectors, and whether all of them have a direction.
 
-    Counterclockwise, the k-th vector turned back by k / N should be the first: the mean of these is the least-squares
-    arm, and its length says how well they agree.
+    Turned back by k / N turns, the k-th vector in counterclockwise order should be the first: the mean is the
+    least-squares solution, and its length says how well they agree.
     """
     sizes = np.abs(tangent)
     defined = (sizes > np.maximum(1e-6 * lengths, np.finfo(float).tiny)).all(axis=1)
@@ -175,37 +142,37 @@ def _nearest_star(tangent, lengths):
     return (ordered * np.exp(-2j * np.pi / count * np.arange(count))).mean(axis=1), defined
 
 
-def _known_suffix(path):
+def _known_suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise SettingError(f"{path} is no known field file: use the suffix .rawfield or .rosy")
+        raise SettingError(f"{path} is not a field file: use the suffix .rawfield or .rosy")
     return suffix
 
 
-def _raw_header(path, lines):
+def _raw_header(path: Path, lines: list[_Line]) -> tuple[int, int, int, list[_Line]]:
     symmetry, count = _whole_numbers(path, lines[:1], 2, 'start with "N faces"')
     return symmetry, count, symmetry, lines[1:]
 
 
-def _rosy_header(path, lines):
+def _rosy_header(path: Path, lines: list[_Line]) -> tuple[int, int, int, list[_Line]]:
     wanted = "start with a line for the number of faces and a line for N"
     (count,) = _whole_numbers(path, lines[:1], 1, wanted)
     (symmetry,) = _whole_numbers(path, lines[1:2], 1, wanted)
     return symmetry, count, 1, lines[2:]
 
 
-def _whole_numbers(path, lines, wanted, remedy):
+def _whole_numbers(path: Path, lines: list[_Line], wanted: int, remedy: str) -> list[int]:
     if not lines:
         raise SettingError(f"{path} ends before its header: {remedy}")
     number, line = lines[0]
     words = line.split()
     if len(words) != wanted or not all(re.fullmatch(r"0*[1-9]\d{0,9}", word) for word in words):
-        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is no header, {remedy}")
+        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is not a header, {remedy}")
     return [int(word) for word in words]
 
 
-def _numbers(path, rows, width):
-    """(rows, width) finite floats; the words of a part of the rows at once."""
+def _numbers(path: Path, rows: list[_Line], width: int) -> np.ndarray:
+    """(rows, width) finite floats, read some rows at a time."""
     parts = []
     for first in range(0, len(rows), _ROWS_AT_ONCE):
         part = [(number, line.split()) for number, line in rows[first : first + _ROWS_AT_ONCE]]
@@ -227,15 +194,15 @@ def _numbers(path, rows, width):
     return np.concatenate(parts)
 
 
-def _number(word):
+def _number(word: str) -> float:
     try:
         return float(word)
     except ValueError:
         return np.nan
 
 
-def _refuse_unequal(path, face_field):
-    """One vector stands for all only if they are equal turns of each other."""
+def _refuse_unequal(path: Path, face_field: FaceField) -> None:
+    """Refuse vectors of a face that are not equal turns of each other: one could not stand for all."""
     vectors = face_field.vectors
     lengths = np.linalg.norm(vectors, axis=2)
     cosines = np.einsum("tkc,tc->tk", vectors, vectors[:, 0])

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vortex filaments and tubes as text for other programs: tables, VTK's polylines and polygons, PLY and OBJ.
 
-Filaments are in one piece each: closed ones come back to their first point, and those that go around a periodic box end
-a box further on. VTK's older form is an unstructured grid of segments, each with the values of its filament, and in PLY
-a segment is a face of two corners: so both pyvista and meshio read them (meshio has no .vtp, and of an .obj with lines
-it takes the points).
+Each filament is one piece: a closed one returns to its first point, and one that goes around a periodic box ends a box
+further. VTK's older form is an unstructured grid of segments, each with the values of its filament, and in PLY a
+segment is a face of two corners: so both pyvista and meshio read them (meshio has no .vtp, and reads only points of
+.obj lines).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 
+from ..extract.vortices.filaments import Filament
+from ..extract.vortices.linking_numbers import Linked
+from ..extract.vortices.tubes import Tubes
 from .digits import DIGITS, number_format
 
-# Of each filament, in the order of the columns: what it is called, and its kind in VTK.
+# Columns of values of a filament: name, and kind in VTK.
 _VALUES = (
     ("circulation", "Float64"),
     ("length", "Float64"),
@@ -25,7 +29,6 @@ _VALUES = (
     ("winding_y", "Int32"),
     ("winding_z", "Int32"),
 )
-# Of what is not a place.
 _FORM = f"%.{DIGITS}g"
 # Kinds of cells of VTK.
 _SEGMENT, _TRIANGLE = 3, 5
@@ -33,26 +36,26 @@ _SEGMENT, _TRIANGLE = 3, 5
 
 @dataclass(frozen=True)
 class VortexShape:
-    """Filaments or tubes as they are written.
+    """Filaments or tubes to write.
 
     Attributes
     ----------
     points : (n, 3)
     cells : numbers of the points along each filament, or around each triangle
-    are_lines : which of the two these are
+    are_lines : whether the cells are filaments
     values : of each cell, by name and kind in VTK
-    colors : (n, 3) red, green and blue of the points from 0 to 1, None for none
+    colors : (n, 3) red, green and blue of the points from 0 to 1, or None
     """
 
     points: np.ndarray
     cells: list[list[int]]
     are_lines: bool
-    values: dict[tuple[str, str], list] = field(default_factory=dict)
+    values: dict[tuple[str, str], list[float]] = field(default_factory=dict)
     colors: np.ndarray | None = None
 
     @property
-    def segments(self):
-        """The same with each segment of a filament as a cell of its own, with the number of the filament."""
+    def segments(self) -> "VortexShape":
+        """The shape with a cell for each segment of a filament, and the filaments' numbers."""
         if not self.are_lines:
             return self
         counts = [len(cell) - 1 for cell in self.cells]
@@ -62,14 +65,8 @@ class VortexShape:
         return VortexShape(self.points, pairs, True, values, self.colors)
 
 
-def filament_shape(lines, winding):
-    """The :class:`VortexShape` of filaments.
-
-    Parameters
-    ----------
-    lines : list of Filament
-    winding : Linked of these, None where it is not known
-    """
+def filament_shape(lines: Sequence[Filament], winding: Linked | None) -> VortexShape:
+    """The shape of filaments, whose winding is None where it is not known."""
     ends = np.cumsum([0, *(len(line.whole) for line in lines)]).tolist()
     cells = [list(range(begin, end)) for begin, end in pairwise(ends)]
     columns = zip(*_values(lines, winding), strict=True) if lines else [()] * len(_VALUES)
@@ -77,13 +74,13 @@ def filament_shape(lines, winding):
     return VortexShape(_points(lines), cells, True, values)
 
 
-def tube_shape(tubes):
-    """The :class:`VortexShape` of :class:`Tubes`, in the colours of the sphere."""
+def tube_shape(tubes: Tubes) -> VortexShape:
+    """The shape of tubes, in the colours of the sphere."""
     return VortexShape(tubes.vertices, tubes.triangles.tolist(), False, {}, 0.5 + 0.5 * tubes.sphere)
 
 
-def table_of(lines, winding):
-    """Text of a .csv file, a row for each point; parameters as :func:`filament_shape`."""
+def table_of(lines: Sequence[Filament], winding: Linked | None) -> str:
+    """Text of a .csv file, a row for each point."""
     rows = ["filament,x,y,z," + ",".join(name for name, _ in _VALUES)]
     form = ",".join(3 * [number_format(_points(lines))] + len(_VALUES) * [_FORM])
     for number, (line, values) in enumerate(zip(lines, _values(lines, winding), strict=True)):
@@ -91,8 +88,8 @@ def table_of(lines, winding):
     return "\n".join(rows) + "\n"
 
 
-def polydata_of(shape):
-    """Text of a .vtp file of a :class:`VortexShape`."""
+def polydata_of(shape: VortexShape) -> str:
+    """Text of a .vtp file."""
     name, count = ("Lines" if shape.are_lines else "Polys"), len(shape.cells)
     lines, polygons = (count, 0) if shape.are_lines else (0, count)
     ends = np.cumsum([len(cell) for cell in shape.cells], dtype=int).tolist()
@@ -118,8 +115,8 @@ def polydata_of(shape):
     return "\n".join([*parts, "</CellData></Piece></PolyData></VTKFile>"]) + "\n"
 
 
-def legacy_of(shape):
-    """Text of a .vtk file, the same in VTK's older form."""
+def legacy_of(shape: VortexShape) -> str:
+    """Text of a .vtk file, VTK's older form."""
     shape = shape.segments
     count, kind = len(shape.cells), _SEGMENT if shape.are_lines else _TRIANGLE
     parts = [
@@ -144,7 +141,7 @@ def legacy_of(shape):
     return "\n".join(parts) + "\n"
 
 
-def ply_of(shape):
+def ply_of(shape: VortexShape) -> str:
     """Text of a .ply file; each piece of a filament is a face of two corners."""
     cells = shape.segments.cells
     places = _rows(shape.points)
@@ -161,15 +158,15 @@ def ply_of(shape):
     return "\n".join(parts) + "\n"
 
 
-def obj_of(shape):
+def obj_of(shape: VortexShape) -> str:
     """Text of an .obj file, an element for each cell."""
     kind = "l" if shape.are_lines else "f"
     cells = (" ".join([kind, *(str(1 + number) for number in cell)]) for cell in shape.cells)
     return "\n".join([*(f"v {row}" for row in _rows(shape.points)), *cells]) + "\n"
 
 
-def _values(lines, winding):
-    """List of the values of each filament; nan for a writhe that is not known."""
+def _values(lines: Sequence[Filament], winding: Linked | None) -> list[tuple[float, ...]]:
+    """The values of each filament; nan for a writhe that is not known."""
     writhes = np.full(len(lines), np.nan) if winding is None else winding.all_writhes
     return [
         (line.strength, line.length, twist, line.share, int(line.is_closed), *line.winding)
@@ -177,23 +174,23 @@ def _values(lines, winding):
     ]
 
 
-def _points(lines):
+def _points(lines: Sequence[Filament]) -> np.ndarray:
     """(n, 3) points of all filaments."""
     return np.vstack([np.empty((0, 3)), *(line.whole for line in lines)])
 
 
-def _rows(points):
+def _rows(points: np.ndarray) -> list[str]:
     """A row of text for each point."""
     form = " ".join(3 * [number_format(points)])
     return [form % tuple(point) for point in points]
 
 
-def _bytes(colors):
+def _bytes(colors: np.ndarray) -> list[str]:
     """A row of text for each colour, in whole numbers up to 255."""
     return [" ".join(map(str, color)) for color in np.rint(255 * np.clip(colors, 0, 1)).astype(int).tolist()]
 
 
-def _row(values):
+def _row(values: Sequence[float]) -> str:
     return " ".join(_FORM % value for value in values)
 
 

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flows of other programs: VTK's images (.vti), NetCDF, HDF5, and what pyvista or meshio read where they are installed.
+"""Flows of other programs: VTK's images (.vti), NetCDF, HDF5, and files for pyvista or meshio where they are installed.
 
-.vti is read here, written as text, base64, or appended raw, compressed by zlib or not; NetCDF of version 3 by SciPy,
-version 4 and HDF5 by h5py. Their arrays count z, y, x, as usual in these formats, unless coordinates of their own
-lengths tell otherwise. Flows on other meshes of VTK are sampled on a grid, where what is outside counts as solid.
+.vti is read here, as text, base64, or appended raw, compressed by zlib or not; NetCDF of version 3 by SciPy, version 4
+and HDF5 by h5py. Axes of their arrays are z, y, x, as usual in these formats, unless the lengths of coordinates say
+otherwise. Flows on other meshes of VTK are sampled on a grid, whose nodes outside the mesh count as solid.
 """
 
 import importlib
 import math
 import re
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
+from types import ModuleType
+from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from scipy.io import netcdf_file
@@ -29,9 +34,9 @@ from .tets import vtu_array, vtu_arrays, vtu_root
 from .volumes import SOUND_BYTES, SOUND_RATIO, choose_flow
 
 IMAGE, ARRAYS, MESHES = (".vti",), (".nc", ".h5", ".hdf5"), (".vts", ".vtr", ".vtk", ".vtu")
-# Arrays that are not 0 at nodes in obstacles, and those that are 0 outside the flow.
+# Names of arrays that are not 0 in obstacles, and of arrays that are 0 outside the flow.
 _SOLIDS, _MASKS = ("solid", "obstacle", "obstacles"), ("mask", "vtkvalidpointmask")
-# Names of coordinates along each axis, and how far spacings may differ from one another, as a share.
+# Names of coordinates along each axis, and by what share their spacings may differ.
 _COORDINATES = (("x", "xcoor", "lon", "longitude"), ("y", "ycoor", "lat", "latitude"), ("z", "zcoor", "lev", "depth"))
 _EVEN = 1e-3
 _PIP = "install it for Python (pip install synch-fields[flows]), or save the flow as .vti or .npz"
@@ -39,11 +44,11 @@ _PIP = "install it for Python (pip install synch-fields[flows]), or save the flo
 
 @dataclass(frozen=True)
 class GridFlow:
-    """A flow at the nodes of a grid of its own.
+    """A flow at the nodes of a grid.
 
     Attributes
     ----------
-    own : Grid
+    own : the grid
     velocity : (n, 3) or (n, 2) at its nodes
     is_vorticity : whether these vectors are the vorticity of the flow
     warnings : lines that the user should read
@@ -55,29 +60,23 @@ class GridFlow:
     warnings: tuple[str, ...] = ()
 
     @property
-    def noise(self):
-        """As :func:`sampling_noise` has it."""
+    def noise(self) -> float | None:
+        """The :func:`sampling_noise`; None where it cannot be measured."""
         return None if self.is_vorticity else sampling_noise(self.own, self.velocity)
 
-    def grid(self, _resolution):
+    def grid(self, _resolution: int) -> Grid:
         """The flow's own grid."""
         return self.own
 
-    def integrals(self, grid):
+    def integrals(self, grid: Grid) -> np.ndarray:
         """(e,) of the velocity along the grid's edges."""
         return vorticity_integrals(grid, self.velocity) if self.is_vorticity else edge_integrals(grid, self.velocity)
 
 
 @dataclass(frozen=True)
 class SampledFlow:
-    """A flow on a mesh, sampled where it is asked for.
-
-    Attributes
-    ----------
-    low, high : corners of the mesh's box
-    sample : callable((n, 3) places) -> (n, 3) vectors, nan outside the mesh
-    is_vorticity, warnings : as :class:`GridFlow`
-    """
+    """A flow on a mesh in a box, by a function that gives (n, 3) vectors at (n, 3) places, nan outside the mesh; the
+    rest as in :class:`GridFlow`."""
 
     low: np.ndarray
     high: np.ndarray
@@ -86,13 +85,13 @@ class SampledFlow:
     warnings: tuple[str, ...] = ()
     noise = None
 
-    def grid(self, resolution):
-        """A grid with so many nodes along its longest side, solid outside the mesh."""
+    def grid(self, resolution: int) -> Grid:
+        """A grid with ``resolution`` nodes along its longest side, solid outside the mesh."""
         grid = box_grid(self.low, self.high, resolution)
         outside = np.isnan(self.sample(grid.places)).any(axis=1).reshape(grid.shape)
         return Grid(grid.shape, grid.spacing, grid.origin, solid=outside)
 
-    def integrals(self, grid):
+    def integrals(self, grid: Grid) -> np.ndarray:
         """(e,) of the velocity along the grid's edges."""
         flow = GridFlow(grid, np.nan_to_num(self.sample(grid.places)), self.is_vorticity)
         return flow.integrals(grid)
@@ -100,30 +99,18 @@ class SampledFlow:
 
 @dataclass(frozen=True)
 class OtherFile:
-    """A flow in a file of another program.
-
-    Attributes
-    ----------
-    path : of the file
-    attribute : name of its vectors, as :func:`choose_flow` has it
-    """
+    """A flow in a file of another program; the attribute is the name of its vectors, as in :func:`choose_flow`."""
 
     path: Path
     attribute: str
 
     @property
-    def name(self):
-        """Of the file."""
+    def name(self) -> str:
+        """The file's name."""
         return self.path.name
 
-    def read(self):
-        """The :class:`GridFlow` or :class:`SampledFlow`.
-
-        Raises
-        ------
-        SettingError
-            in one line, for a file that is not such a flow
-        """
+    def read(self) -> GridFlow | SampledFlow:
+        """Read the flow; SettingError for a file of another kind."""
         suffix = self.path.suffix.lower()
         with border(self.path, "export it again"):
             if suffix in IMAGE:
@@ -136,24 +123,24 @@ class OtherFile:
 # Images of VTK
 
 
-def _read_image(path, attribute):
+def _read_image(path: Path, attribute: str) -> GridFlow:
     root, appended = vtu_root(path, read_bytes(path, TEXT_BYTES), "ImageData")
-    image = root.find("ImageData")
+    image = next(root.iter("ImageData"))
     pieces = list(image.iter("Piece"))
     if len(pieces) != 1:
         raise SettingError(f"it has {len(pieces)} pieces: save it as one")
-    extent = np.array(_numbers(image, "WholeExtent", 6), int)
-    if pieces[0].get("Extent") is not None and (np.array(_numbers(pieces[0], "Extent", 6), int) != extent).any():
+    extent = _numbers(image, "WholeExtent", 6).astype(int)
+    if pieces[0].get("Extent") is not None and (_numbers(pieces[0], "Extent", 6) != extent).any():
         raise SettingError("its piece is not the whole: save it as one")
-    turn = np.array(_numbers(image, "Direction", 9, (1, 0, 0, 0, 1, 0, 0, 0, 1))).reshape(3, 3)
+    turn = _numbers(image, "Direction", 9, (1, 0, 0, 0, 1, 0, 0, 0, 1)).reshape(3, 3)
     if not np.allclose(turn, np.eye(3)):
         raise SettingError("its axes are turned: resample it along x, y and z")
-    spacing = np.array(_numbers(image, "Spacing", 3, (1, 1, 1)))
+    spacing = _numbers(image, "Spacing", 3, (1, 1, 1))
     first, shape = extent[::2], extent[1::2] - extent[::2] + 1
     kind = "PointData"
     if not pieces[0].findall("PointData/DataArray"):  # cells, whose middles are a grid of their own
         kind, shape = "CellData", shape - 1
-    origin = np.array(_numbers(image, "Origin", 3, (0, 0, 0))) + (first + 0.5 * (kind == "CellData")) * spacing
+    origin = _numbers(image, "Origin", 3, (0, 0, 0)) + (first + 0.5 * (kind == "CellData")) * spacing
     if (shape < 1).any():
         raise SettingError(f"its extent is {extent.tolist()}: export a flow in space")
     count = math.prod(shape.tolist())
@@ -172,18 +159,25 @@ def _read_image(path, attribute):
     return _grid_flow(vectors, spacing, origin, {n: arrays[n][..., 0] for n in extra}, is_curl, warnings)
 
 
-def _numbers(element, name, count, default=None):
-    """So many finite numbers of an attribute of XML."""
+def _numbers(element: Element, name: str, count: int, default: Sequence[float] | None = None) -> np.ndarray:
+    """The finite numbers of an attribute of XML, ``count`` of them."""
     text = element.get(name)
-    numbers = default if text is None and default is not None else [float(word) for word in (text or "").split()]
+    words = default if text is None and default is not None else (text or "").split()
+    numbers = np.array([float(word) for word in words])
     if len(numbers) != count or not np.isfinite(numbers).all():
         raise SettingError(f"its {name} is {text!r}: give {count} numbers")
     return numbers
 
 
-def _grid_flow(vectors, spacing, origin, extra, is_curl, warnings):
-    """The :class:`GridFlow` of (nx, ny, nz, 3) vectors; nodes in obstacles, outside masks and without numbers are
-    solid."""
+def _grid_flow(
+    vectors: np.ndarray,
+    spacing: Sequence[float] | np.ndarray,
+    origin: Sequence[float] | np.ndarray,
+    extra: dict[str, np.ndarray],
+    is_curl: bool,
+    warnings: tuple[str, ...],
+) -> GridFlow:
+    """A flow of (nx, ny, nz, 3) vectors; nodes in obstacles, outside masks and with nan are solid."""
     solid = ~np.isfinite(vectors).all(axis=3)
     for name, values in extra.items():
         solid |= (values != 0) if name.lower() in _SOLIDS else (values == 0)
@@ -194,13 +188,14 @@ def _grid_flow(vectors, spacing, origin, extra, is_curl, warnings):
 # NetCDF and HDF5
 
 
-def _read_arrays(path, attribute):
+def _read_arrays(path: Path, attribute: str) -> GridFlow:
     with ExitStack() as stack:
         with path.open("rb") as head:
             is_classic = head.read(3) == b"CDF"
         if is_classic:
             check_promise(path, path.stat().st_size)  # all of it is read
-            file = stack.enter_context(netcdf_file(path, mmap=False, maskandscale=True))
+            # In memory, where SciPy reads no more than there is, whatever sizes the file promises.
+            file = stack.enter_context(netcdf_file(BytesIO(path.read_bytes()), maskandscale=True))
             arrays = dict(file.variables)
         else:
             h5py = _library("h5py", "NetCDF of version 4 and HDF5 are")
@@ -214,12 +209,12 @@ def _read_arrays(path, attribute):
         return _flow_of_arrays(path, arrays, attribute)
 
 
-def _bare(name):
-    """The name of an array without its groups and the number of a frame."""
+def _bare(name: str) -> str:
+    """The name of an array without its groups and a frame's number at its end."""
     return re.sub(r"[_-]?\d+$", "", name.rsplit("/", 1)[-1]) or name
 
 
-def _flow_of_arrays(path, arrays, attribute):
+def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridFlow:
     vectors = [n for n, a in arrays.items() if len(a.shape) in (4, 5) and a.shape[-1] == 3]
     numbers = [n for n, a in arrays.items() if len(a.shape) in (3, 4) and n not in vectors]
     chosen, is_curl, warnings = choose_flow(path, vectors, numbers, attribute)
@@ -245,10 +240,10 @@ def _flow_of_arrays(path, arrays, attribute):
         np.arange(count) if axis is None or len(axis) != count else axis
         for axis, count in zip(axes, field.shape[:3], strict=True)
     ]
-    return _evened(field, places, extras, is_curl, warnings)
+    return _resample_evenly(field, places, extras, is_curl, warnings)
 
 
-def _values(array, leading):
+def _values(array: Any, leading: int) -> np.ndarray:
     """The numbers of the first time step of an array, nan where it has none."""
     values = array[(0,) * leading] if leading else array[:]
     scale = getattr(array, "attrs", {})
@@ -259,7 +254,7 @@ def _values(array, leading):
     return values * np.ravel(scale.get("scale_factor", 1.0))[0] + np.ravel(scale.get("add_offset", 0.0))[0]
 
 
-def _axis(arrays, names):
+def _axis(arrays: dict[str, Any], names: Sequence[str]) -> np.ndarray | None:
     """The coordinates along an axis, None where the file has none."""
     for name, array in arrays.items():
         if name.lower() in names and len(array.shape) == 1:
@@ -267,8 +262,10 @@ def _axis(arrays, names):
     return None
 
 
-def _evened(field, places, extra, is_curl, warnings):
-    """The :class:`GridFlow` of values at coordinates along each axis, which get even where they are not."""
+def _resample_evenly(
+    field: np.ndarray, places: list[np.ndarray], extra: dict[str, np.ndarray], is_curl: bool, warnings: tuple[str, ...]
+) -> GridFlow:
+    """A flow of values at coordinates along each axis, resampled where these are uneven."""
     for axis, along in enumerate(places):
         steps = np.diff(along)
         if len(steps) and (steps < 0).all():
@@ -291,7 +288,7 @@ def _evened(field, places, extra, is_curl, warnings):
 # Meshes of VTK
 
 
-def _read_mesh(path, attribute):
+def _read_mesh(path: Path, attribute: str) -> GridFlow | SampledFlow:
     with at_most(SOUND_BYTES + SOUND_RATIO * path.stat().st_size):
         try:
             pyvista = importlib.import_module("pyvista")
@@ -300,13 +297,19 @@ def _read_mesh(path, attribute):
         return _by_pyvista(pyvista, path, attribute)
 
 
-def _by_pyvista(pyvista, path, attribute):
-    mesh = pyvista.read(path)
+def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | SampledFlow:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", UserWarning)  # pyvista's form of what VTK reports
+        try:
+            mesh = pyvista.read(path)
+        except UserWarning:
+            raise SettingError("VTK reports an error in it") from None
     if not hasattr(mesh, "point_data"):
         raise SettingError("it has several blocks: save one of them")
     if not len(mesh.point_data):
         mesh = mesh.cell_data_to_point_data()
-    chosen, vectors, is_curl, warnings = _vectors(path, mesh.point_data, attribute)
+    chosen, vectors, is_curl, lines = _vectors(path, mesh.point_data, attribute)
     if isinstance(mesh, pyvista.ImageData | pyvista.RectilinearGrid):
         axes = [np.asarray(axis, float) for axis in (mesh.x, mesh.y, mesh.z)]
         if isinstance(mesh, pyvista.ImageData):
@@ -317,19 +320,19 @@ def _by_pyvista(pyvista, path, attribute):
             for n in mesh.point_data.keys()
             if n.lower() in (*_SOLIDS, *_MASKS)
         }
-        return _evened(field, axes, extra, is_curl, warnings)
+        return _resample_evenly(field, axes, extra, is_curl, lines)
 
-    def sample(places):
+    def sample(places: np.ndarray) -> np.ndarray:
         found = pyvista.PolyData(places).sample(mesh)
         values = np.column_stack([np.asarray(found.point_data[name]) for name in chosen]).astype(float)
         values[np.asarray(found.point_data["vtkValidPointMask"]) == 0] = np.nan
         return values
 
     low, high = np.array(mesh.bounds).reshape(3, 2).T
-    return SampledFlow(low, high, sample, is_curl, warnings)
+    return SampledFlow(low, high, sample, is_curl, lines)
 
 
-def _by_meshio(path, attribute):
+def _by_meshio(path: Path, attribute: str) -> SampledFlow:
     meshio = _library("meshio", f"{path.suffix} is")
     from scipy.interpolate import LinearNDInterpolator
 
@@ -344,7 +347,7 @@ def _by_meshio(path, attribute):
     return SampledFlow(points.min(axis=0), points.max(axis=0), sample, is_curl, warnings)
 
 
-def _vectors(path, data, attribute):
+def _vectors(path: Path, data: Any, attribute: str) -> tuple[tuple[str, ...], np.ndarray, bool, tuple[str, ...]]:
     """Names of the chosen arrays of a mesh's points, their (n, 3) numbers, and the rest of :func:`choose_flow`."""
     arrays = {name: np.asarray(data[name]) for name in data.keys()}
     whole = [n for n, a in arrays.items() if a.ndim == 2 and a.shape[1] == 3]
@@ -353,7 +356,7 @@ def _vectors(path, data, attribute):
     return chosen, np.column_stack([arrays[name] for name in chosen]).astype(float), is_curl, warnings
 
 
-def _library(name, what):
+def _library(name: str, what: str) -> ModuleType:
     """An optional module."""
     try:
         return importlib.import_module(name)

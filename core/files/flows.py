@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flows in files: arrays of NumPy here, OpenVDB and those of other programs beside it.
+"""Flows in files: arrays of NumPy here, OpenVDB and other programs' files in the modules beside it.
 
-A source says what is to be read and can be pickled; its ``read()`` gives the flow, which has ``grid(resolution)``,
+A source says what to read and can be pickled; its ``read()`` returns the flow, which has ``grid(resolution)``,
 ``integrals(grid)`` and ``warnings``, lines that the user should read.
 """
 
@@ -21,24 +21,20 @@ from .flow_grids import ARRAYS, IMAGE, MESHES, GridFlow, OtherFile
 from .volumes import VolumeFile
 
 SUFFIXES = (".vdb", ".npz", *IMAGE, *ARRAYS, *MESHES)
-# Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
+# Names of arrays that place a file's nodes, their kinds of values, and what errors ask for.
 _PLACES = {
     "spacing": ("fiu", "one positive number"),
     "origin": ("fiu", "one number"),
     "periodic": ("biu", "one true or false"),
 }
-# Arrays that say which nodes lie in obstacles, and what the vorticity is in place of the velocity.
+# Names of arrays of nodes in obstacles, and of the vorticity that may replace the velocity.
 SOLID, VORTICITY = "solid", "vorticity"
 
 
-def flow_file(path, attribute=VELOCITY, module=None):
-    """The :class:`ArrayFile`, :class:`VolumeFile` or :class:`OtherFile` of a path; see those for the rest.
-
-    Raises
-    ------
-    SettingError
-        for a file of another kind, or none
-    """
+def flow_file(
+    path: str | Path, attribute: str = VELOCITY, module: str | None = None
+) -> "ArrayFile | VolumeFile | OtherFile":
+    """The source of a path; SettingError for a file that is missing or of another kind."""
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise SettingError(f"{path}: flows are read from {', '.join(SUFFIXES)} files")
@@ -55,38 +51,28 @@ def flow_file(path, attribute=VELOCITY, module=None):
 class ArrayFile:
     """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin, periodic and solid.
 
-    Vorticity (nx, ny, nz, 3) may take the place of the velocity. Solid, (nx, ny, nz) or (nx, ny), is true at nodes in
-    obstacles, whose velocity does not count.
-
-    Attributes
-    ----------
-    path : of the file
+    Vorticity (nx, ny, nz, 3) may replace the velocity. Solid, (nx, ny, nz) or (nx, ny), is true at nodes in obstacles,
+    whose velocity does not count.
     """
 
     path: Path
 
     @property
-    def name(self):
-        """Of the file."""
+    def name(self) -> str:
+        """The file's name."""
         return self.path.name
 
     @property
-    def is_plane(self):
-        """Whether the velocity has the shape of one in a plane, as its header says; False where that cannot be read."""
+    def is_plane(self) -> bool:
+        """Whether the velocity is one in a plane, by its header; False where that cannot be read."""
         try:
             with border(self.path), ZipFile(self.path) as archive:
                 return len(_headers(archive)["velocity"].shape) == 3
         except (SettingError, KeyError):
             return False
 
-    def read(self):
-        """The :class:`GridFlow`.
-
-        Raises
-        ------
-        SettingError
-            in one line, for a file that is not such a flow
-        """
+    def read(self) -> GridFlow:
+        """Read the flow; SettingError for a file of another kind."""
         with border(self.path, "write it with numpy.savez"):
             arrays = self._arrays()
         is_curl = "velocity" not in arrays
@@ -94,8 +80,8 @@ class ArrayFile:
         grid = Grid(velocity.shape[:-1], **{name: arrays[name] for name in (*_PLACES, SOLID) if name in arrays})
         return GridFlow(grid, np.where(grid.solid[..., None], 0, velocity).reshape(-1, velocity.shape[-1]), is_curl)
 
-    def _arrays(self):
-        """The arrays of a flow by their names; nothing is read before the headers of all of them are sound."""
+    def _arrays(self) -> dict[str, np.ndarray]:
+        """The arrays of a flow by their names; all headers are checked before an array is read."""
         with self.path.open("rb") as file:
             if file.read(len(np.lib.format.MAGIC_PREFIX)) == np.lib.format.MAGIC_PREFIX:
                 raise SettingError("a single array without a name: write it with numpy.savez")
@@ -118,14 +104,14 @@ class ArrayFile:
 
 
 class _Header(NamedTuple):
-    """Shape and type of an array that a file promises."""
+    """Shape and type of an array, as a file promises them."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
 
 
-def _headers(archive):
-    """The :class:`_Header` of each array of an archive that a flow has, by its name."""
+def _headers(archive: ZipFile) -> dict[str, _Header]:
+    """The headers of an archive's arrays that belong to a flow, by their names."""
     members, found = archive.namelist(), {}
     vectors = VELOCITY if f"{VELOCITY}.npy" in members else VORTICITY
     for name in (vectors, *_PLACES, SOLID):
@@ -147,8 +133,8 @@ def _headers(archive):
     return found
 
 
-def _check_headers(headers):
-    """Refuse arrays of shapes and types that no flow has."""
+def _check_headers(headers: dict[str, _Header]) -> None:
+    """Refuse arrays of other shapes and types than those of a flow."""
     vectors = VELOCITY if VELOCITY in headers else VORTICITY
     shape, dtype = headers[vectors]
     if len(shape) not in (3, 4) or shape[-1] != len(shape) - 1:
@@ -166,6 +152,6 @@ def _check_headers(headers):
         raise SettingError(f"{SOLID} has {has}: give true or false for each node of the velocity")
 
 
-def _read_member(archive, name):
+def _read_member(archive: ZipFile, name: str) -> np.ndarray:
     with archive.open(f"{name}.npy") as file:
         return np.lib.format.read_array(file, allow_pickle=False)

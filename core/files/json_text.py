@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON that every reader takes: reports as they are written, and what an object has kept of them as it is read."""
+"""JSON that every reader accepts: reports are written, and what objects keep of them is read and checked."""
 
 import json
 import math
 from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,15 +13,17 @@ from .border import border
 
 # Kinds of values that :func:`read_kept_dict` knows besides types, dicts of kinds, and lists of kinds.
 NUMBER = (int, float)
+# An object of JSON, such as a report.
+Json = dict[str, Any]
 
 
-def json_text(value, indent=None):
+def json_text(value: object, indent: int | None = None) -> str:
     """A report as JSON; see :func:`plain`."""
     return json.dumps(plain(value), indent=indent, allow_nan=False)
 
 
-def plain(value):
-    """The same of what JSON has: numbers and arrays of NumPy become Python's, and numbers that are not finite None."""
+def plain(value: Any) -> Any:
+    """The value with JSON's types: NumPy's numbers and arrays become Python's, numbers that are not finite None."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -29,25 +33,19 @@ def plain(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def read_kept_dict(text, source, kinds):
-    """A dict that a property of an object or a file has kept as JSON, checked, since others can write there.
+def read_kept_dict(text: str, source: str | Path, kinds: Mapping[str, tuple[Any, Any]]) -> dict[str, Any]:
+    """Read a dict that a property of an object or a file keeps as JSON, and check it, since others can write there.
 
     Parameters
     ----------
-    text : str, "" for an empty dict
-    source : what has kept it, for the error
-    kinds : dict of the values that are known, by their names, each a default and its kind: a type or several, a dict of
-        kinds by name, or a list of as many kinds; other names stay as they are, and None may take the place of a value
-        whose default it is
+    text : "" for an empty dict
+    source : where it was kept, for errors
+    kinds : default and kind of each known value by its name: a kind is a type or several, a dict of kinds by name, or a
+        list of kinds; other names stay as they are, and None is allowed where it is the default
 
-    Returns
-    -------
-    dict with all names of ``kinds``; {} for ""
+    Returns a dict with all names of ``kinds``; {} for "".
 
-    Raises
-    ------
-    SettingError
-        naming the source and the first value that is of another kind
+    Raises SettingError naming the source and the first value of another kind.
     """
     if not text:
         return {}
@@ -62,8 +60,8 @@ def read_kept_dict(text, source, kinds):
         return found
 
 
-def read_kept_names(text, source):
-    """A list of names that a property has kept as JSON; [] for ""; errors as :func:`read_kept_dict`."""
+def read_kept_names(text: str, source: str | Path) -> list[str]:
+    """Read a list of names that a property keeps as JSON; [] for ""; errors as :func:`read_kept_dict`."""
     if not text:
         return []
     with border(source, "solve it again"):
@@ -72,8 +70,8 @@ def read_kept_names(text, source):
         return names
 
 
-def _check(value, kind, name):
-    """Refuse a value of another kind."""
+def _check(value: Any, kind: Any, name: str) -> None:
+    """Raise ValueError for a value of another kind."""
     if isinstance(kind, dict):
         right = isinstance(value, dict)
         parts = [(value.get(key, None), own, key) for key, own in kind.items()] if right else []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of temporary files that tell whose they are, so that another process can remove what a killed one has left."""
+"""Names of temporary files that identify their process, so that another can remove what a killed one has left."""
 
 import os
 import platform
@@ -12,21 +12,21 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-# The machine, the process, when that one began, and a random part.
+# The machine, the process, its start, and a random part.
 _NAME = re.compile(r"\.synch-([0-9a-f]{8})-(\d+)-(\d+)-[0-9a-f]{16}")
 _SINCE_UNKNOWN = "0"
-# What Windows says of a process that runs, and what it has to be asked for.
+# Windows' exit code of a process that runs, and the right to ask for it.
 _STILL_ACTIVE, _QUERY_LIMITED = 259, 0x1000
 
 
 def own_name(suffix: str = "") -> str:
-    """A file name that nobody else takes, and that tells this process."""
+    """A unique file name that identifies this process."""
     return f".synch-{_machine()}-{os.getpid()}-{_since(os.getpid())}-{secrets.token_hex(8)}{suffix}"
 
 
 @cache
 def sweep(folder: Path) -> None:
-    """Remove what killed processes of this user on this machine have left in a folder, once for each folder."""
+    """Remove leftovers of killed processes of this user and machine from a folder, once for each folder."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if _is_left_behind(entry):
@@ -34,13 +34,13 @@ def sweep(folder: Path) -> None:
 
 
 def mark(folder: Path) -> None:
-    """Leave a file in a folder of another program that tells that it is this process's; see :func:`sweep_marked`."""
+    """Mark a folder of another program as this process's, by a file in it; see :func:`sweep_marked`."""
     with suppress(OSError):
         (folder / own_name()).touch()
 
 
 def sweep_marked(folder: Path, prefix: str) -> None:
-    """Remove folders inside of a folder that killed processes have marked, and whose names have a prefix."""
+    """Remove the subfolders with a prefix that killed processes have marked."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.name.startswith(prefix) and entry.is_dir(follow_symlinks=False) and _has_ended_mark(entry):
@@ -54,7 +54,7 @@ def _has_ended_mark(folder: os.DirEntry[str]) -> bool:
 
 
 def _is_left_behind(entry: os.DirEntry[str]) -> bool:
-    """Whether something was made by a process of this user on this machine that has ended."""
+    """Whether a file or folder is of an ended process of this user on this machine."""
     found = _NAME.match(entry.name)
     if found is None or found[1] != _machine():
         return False
@@ -75,25 +75,25 @@ def _remove(entry: os.DirEntry[str]) -> None:
 
 @cache
 def _machine() -> str:
-    """Eight digits of where the numbers of processes mean the same: a machine since it was started, or a container."""
+    """Eight digits that identify where process numbers are unique: a machine since its start, or a container."""
     try:
-        told = Path("/proc/sys/kernel/random/boot_id").read_text() + os.readlink("/proc/self/ns/pid")
+        identity = Path("/proc/sys/kernel/random/boot_id").read_text() + os.readlink("/proc/self/ns/pid")
     except OSError:  # not Linux
-        told = platform.node()
-    return f"{zlib.crc32(told.encode()):08x}"
+        identity = platform.node()
+    return f"{zlib.crc32(identity.encode()):08x}"
 
 
 def _since(process: int) -> str | None:
-    """When a process began, "0" where the system does not tell; None where it has ended."""
+    """The start of a process, "0" where it is unknown; None if the process has ended."""
     if sys.platform == "win32":
         return _SINCE_UNKNOWN if _runs_on_windows(process) else None
     try:
-        told = Path(f"/proc/{process}/stat").read_text(errors="replace")
+        text = Path(f"/proc/{process}/stat").read_text(errors="replace")
     except OSError:
         if Path("/proc/self/stat").exists():
             return None
     else:
-        state, *more = told.rpartition(")")[2].split()
+        state, *more = text.rpartition(")")[2].split()
         return None if state in "ZX" else more[18]
     try:
         os.kill(process, 0)
@@ -112,6 +112,6 @@ def _runs_on_windows(process: int) -> bool:
     if not handle:
         return False
     code = ctypes.c_ulong()
-    told = kernel.GetExitCodeProcess(handle, ctypes.byref(code))
+    answered = kernel.GetExitCodeProcess(handle, ctypes.byref(code))
     kernel.CloseHandle(handle)
-    return not told or code.value == _STILL_ACTIVE
+    return not answered or code.value == _STILL_ACTIVE

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mesh files, looked at without a mesh: whether an .obj, .ply or .stl holds all that it should, and whether a .ply or
-.glb has a header that its reader survives."""
+"""Checks of mesh files: whether an .obj, .ply or .stl is complete, and whether a reader survives a .ply or .glb."""
 
 import json
 import re
@@ -17,16 +16,15 @@ _SIZES = {"char": 1, "short": 2, "int": 4, "float": 4, "double": 8} | {"uchar": 
 _SIZES |= {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "float32": 4, "float64": 8}
 _COUNTS = {"char": "i1", "uchar": "u1", "int8": "i1", "uint8": "u1", "short": "i2", "ushort": "u2"}
 _COUNTS |= {"int16": "i2", "uint16": "u2", "int": "i4", "uint": "u4", "int32": "i4", "uint32": "u4"}
-# Bytes before the triangles of an .stl file, the last four of which count them, and of a triangle.
+# Bytes of an .stl file before its triangles, the last four of which are their number, and of a triangle.
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-# Bytes before the JSON of a .glb file, the numbers of each element of its arrays by their types, and the memory that
-# Blender's importer takes for each of them.
+# Bytes of a .glb file before its JSON, and bytes that Blender's importer takes for each number of an array.
 _GLB_HEADER, _GLB_BYTES = 20, 16
 _GLB_TYPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
-def is_whole(path, vertices, faces):
-    """Whether a mesh file of so many vertices and faces is complete; an .stl has triangles, their number in itself."""
+def is_whole(path: Path, vertices: int, faces: int) -> bool:
+    """Whether a mesh file has these numbers of vertices and faces; an .stl has as many triangles as it says."""
     content = Path(path).read_bytes()
     if path.suffix.lower() == ".stl":
         count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
@@ -37,8 +35,8 @@ def is_whole(path, vertices, faces):
     return content.endswith(b"\n") and lines.count(b"\nv ") == vertices and lines.count(b"\nf ") == faces
 
 
-def _is_whole_ply(content):
-    """Whether a binary file, little end first, is as long as its header says."""
+def _is_whole_ply(content: bytes) -> bool:
+    """Whether a little-endian binary file is as long as its header says."""
     try:
         kind, elements, body = _ply_header(content)
     except ValueError:
@@ -51,18 +49,12 @@ def _is_whole_ply(content):
     return place == len(body)
 
 
-def check_ply(path):
-    """Refuse a .ply file whose header no reader survives, Blender's importer among them.
-
-    Raises
-    ------
-    SettingError
-        in one line
-    """
+def check_ply(path: str | Path) -> None:
+    """Raise SettingError for a .ply file whose header Blender's importer does not survive."""
     with border(path):
         content = read_bytes(path)
         kind, elements, body = _ply_header(content)
-    # The least that an element takes: of text a character and a space for each number, which a list may have none of.
+    # The least size of an element: in text a character and a space for each number; lists may be empty.
     least = 0
     for count, properties in elements:
         sizes = [2 if kind == "ascii" else _SIZES[words[0] if len(words) == 1 else words[1]] for words in properties]
@@ -71,8 +63,8 @@ def check_ply(path):
         raise SettingError(f"{path} promises more than {len(content)} bytes hold: it was cut short, export it again")
 
 
-def check_glb(path):
-    """Refuse a .glb file whose accessors promise more than memory holds; errors as :func:`check_ply`."""
+def check_glb(path: str | Path) -> None:
+    """Raise SettingError for a .glb file whose accessors promise more than memory holds."""
     with border(path):
         content = read_bytes(path)
         magic, _, _, length, kind = struct.unpack_from("<4sIII4s", content)
@@ -85,26 +77,21 @@ def check_glb(path):
         check_promise(path, _GLB_BYTES * promised)
 
 
-def _ply_header(content):
-    """The format, the elements, each a count and the words of its properties' types, and the bytes after the header.
-
-    Raises
-    ------
-    ValueError
-        where this is no header
-    """
+def _ply_header(content: bytes) -> tuple[str, list[tuple[int, list[list[str]]]], bytes]:
+    """The format, the elements, each a count and the types of its properties, and the bytes after the header;
+    ValueError for a bad header."""
     header, end, body = content.partition(b"end_header")
     if not content.startswith(b"ply") or not end:
         raise ValueError("it does not begin with ply, or end with end_header")
-    kind = None
+    kind: str | None = None
     elements: list[tuple[int, list[list[str]]]] = []
     for line in header.decode("ascii").splitlines()[1:]:
         words = line.split()
         match words:
             case [] | ["comment" | "obj_info", *_]:
                 continue
-            case ["format", kind, _] if kind in _FORMATS:
-                continue
+            case ["format", word, _] if word in _FORMATS:
+                kind = word
             case ["element", _, number] if re.fullmatch(r"\d{1,10}", number) and int(number) < 2**31:
                 elements.append((int(number), []))
             case ["property", "list", count, item, _] if elements and count in _COUNTS and item in _SIZES:
@@ -118,8 +105,8 @@ def _ply_header(content):
     return kind, elements, body.removeprefix(b"\r").removeprefix(b"\n")
 
 
-def _after(body, place, count, kinds):
-    """Where so many elements end that begin at a place; beyond the end where they do not fit."""
+def _after(body: bytes, place: int, count: int, kinds: list[list[str]]) -> int:
+    """The end of ``count`` elements that begin at a place; beyond the body's end if they do not fit."""
     if all(len(kind) == 1 for kind in kinds):
         return place + count * sum(_SIZES[kind] for (kind,) in kinds)
     for _ in range(count):

@@ -1,40 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mesh files of the kind .obj with all their digits: written at any size and place, and read relative to their centre.
+""".obj files with all their digits, written at any size and place, and read relative to their centre.
 
-Blender's exporter writes six decimals, which is nothing of a mesh that is a millionth long, and its importer keeps
-single precision, which moves places at 5e6 by up to 0.25.
+Blender's exporter writes six decimals, too few for a mesh that is a millionth long, and its importer keeps single
+precision, which moves points at 5e6 by up to 0.25.
 """
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from .border import border, check_promise, read_bytes
 from .digits import number_format
 
-# Meshes are far from the origin from so many times their size on, where single precision leaves 2e5 steps to it.
+# Meshes are far from the origin beyond this multiple of their size, where single precision leaves 2e5 steps to it.
 FAR = 100.0
-# Vertices that are looked at first: nearly all meshes are not far.
+# Vertices that are checked first: nearly all meshes are not far.
 _SAMPLE = 1000
-# Memory of a vertex while all places of a file are read, and rows of a text that are made at once.
+# Bytes of a vertex while all places of a file are read, and rows of a text that are made at once.
 _VERTEX_BYTES, _ROWS_AT_ONCE = 400, 65536
 _PLACE = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class ObjMesh:
-    """What an .obj file holds of a mesh.
+    """A mesh as an .obj file holds it.
 
     Attributes
     ----------
-    name : of the object
     vertices : (n, 3)
     corners : (c,) vertex of each corner
-    sizes : (f,) corners of each face, which follow one another
+    sizes : (f,) number of corners of each face
     smooth : (f,) bool, faces that are shaded smooth
     normals : (c, 3) at the corners
-    places : (c, 2) in the UV map, None where there is none
+    places : (c, 2) in the UV map, or None
     """
 
     name: str
@@ -46,8 +48,8 @@ class ObjMesh:
     places: np.ndarray | None = None
 
 
-def write_obj(file, mesh):
-    """Write an :class:`ObjMesh` to a text file that is open."""
+def write_obj(file: TextIO, mesh: ObjMesh) -> None:
+    """Write a mesh to an open text file."""
     file.write(f"# Synch Fields\no {re.sub(r'[^!-~]+', '_', mesh.name) or 'mesh'}\n")
     _write_rows(file, "v", mesh.vertices, number_format(mesh.vertices))
     normals, normal_of = np.unique(np.round(mesh.normals, 6) + 0.0, axis=0, return_inverse=True)
@@ -67,20 +69,15 @@ def write_obj(file, mesh):
         file.write(f"f {' '.join(words[end - size : end])}\n")
 
 
-def _write_rows(file, keyword, values, form):
+def _write_rows(file: TextIO, keyword: str, values: np.ndarray, form: str) -> None:
     row = f"{keyword} " + " ".join([form] * values.shape[1]) + "\n"
     for first in range(0, len(values), _ROWS_AT_ONCE):
         file.write("".join(row % tuple(numbers) for numbers in values[first : first + _ROWS_AT_ONCE].tolist()))
 
 
-def far_centre(path):
-    """(3,) the centre of a file's vertices in single precision, where it is far from the origin; else None.
-
-    Raises
-    ------
-    SettingError
-        for a file that cannot be read
-    """
+def far_centre(path: Path) -> np.ndarray | None:
+    """(3,) centre of a file's vertices in single precision if they are far from the origin, else None; SettingError for
+    a file that cannot be read."""
     with border(path):
         content = read_bytes(path)
         if not _is_far(_places(_PLACE.finditer(content), _SAMPLE)):
@@ -89,26 +86,26 @@ def far_centre(path):
         return centre_of_far(_places(_PLACE.finditer(content)))
 
 
-def centre_of_far(places):
-    """(3,) the centre of (n, 3) places in single precision, where they are far from the origin; else None."""
+def centre_of_far(places: np.ndarray) -> np.ndarray | None:
+    """(3,) centre of (n, 3) places in single precision if they are far from the origin, else None."""
     if not _is_far(places):
         return None
     return np.float32((places.min(axis=0) + places.max(axis=0)) / 2).astype(float)
 
 
-def write_centred(path, centre, target):
-    """Write a file with its vertices relative to a centre; all else stays as it is, and so do the vertices' order."""
+def write_centred(path: Path, centre: np.ndarray, target: Path) -> None:
+    """Write a copy of a file with its vertices relative to a centre; everything else stays as it is."""
     with border(path):
         content = read_bytes(path, 3)
 
-        def relative(found):
+        def relative(found: re.Match[bytes]) -> bytes:
             place = np.array([float(word) for word in found.groups()]) - centre
             return b"v " + " ".join(f"{value:.12g}" for value in place).encode()
 
         target.write_bytes(_PLACE.sub(relative, content))
 
 
-def _places(found, most=None):
+def _places(found: Iterable[re.Match[bytes]], most: int | None = None) -> np.ndarray:
     places: list[tuple[bytes, ...]] = []
     for place in found:
         if most is not None and len(places) == most:
@@ -117,7 +114,7 @@ def _places(found, most=None):
     return np.array(places, float).reshape(-1, 3)
 
 
-def _is_far(places):
+def _is_far(places: np.ndarray) -> bool:
     """Whether places are farther from the origin than :data:`FAR` times their extent."""
     if len(places) < 2 or not np.isfinite(places).all():
         return False

@@ -23,32 +23,17 @@ _WIDTHS = {1: 1, 2: 3, 3: 6}
 
 @dataclass(frozen=True)
 class SolidVectors:
-    """Vectors in a solid, at its vertices or in its tetrahedra.
-
-    Attributes
-    ----------
-    mesh : TetMesh
-    values : (n, 3) or (m, 3)
-    at_vertices : whether they are at the vertices
-    """
+    """Vectors in a solid: (n, 3) at its vertices, or (m, 3) in its tetrahedra."""
 
     mesh: TetMesh
     values: np.ndarray
     at_vertices: bool
 
 
-def read_vectors(path, name=""):
-    """The :class:`SolidVectors` of a file.
+def read_vectors(path: str | Path, name: str = "") -> SolidVectors:
+    """Read the vectors of a .vtu, or of a .sol beside its .mesh; SettingError names the file and the remedy.
 
-    Parameters
-    ----------
-    path : of a .vtu, or of a .sol beside its .mesh
-    name : of an array of a .vtu; "" for the only one
-
-    Raises
-    ------
-    SettingError
-        naming the file, what is wrong in it, and the remedy
+    The name is that of an array of a .vtu, "" for the only one.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
@@ -57,7 +42,7 @@ def read_vectors(path, name=""):
         return _read(path, name)
 
 
-def _read(path, name):
+def _read(path: Path, name: str) -> SolidVectors:
     content = read_bytes(path, TEXT_BYTES)
     is_vtu = path.suffix.lower() == ".vtu"
     mesh = read_tets(path if is_vtu else path.with_suffix(".mesh"))
@@ -78,10 +63,10 @@ def _read(path, name):
     return SolidVectors(mesh, values, at_points)
 
 
-def _of_vtu(path, content):
-    """Vectors by the name of their array, and whether it is on points."""
+def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
+    """Vectors by the name of their array, and whether they are on points."""
     root, appended = vtu_root(path, content)
-    found: dict[tuple, list] = {}
+    found: dict[tuple[str, bool], list[np.ndarray]] = {}
     pieces = list(root.iter("Piece"))
     for piece in pieces:
         points, cells = vtu_sizes(piece)
@@ -97,8 +82,8 @@ def _of_vtu(path, content):
     return {key: np.concatenate(parts) for key, parts in found.items() if len(parts) == len(pieces)}
 
 
-def _of_sol(path, content):
-    """The same for the fields of a .sol file, which have numbers for names."""
+def _of_sol(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
+    """The same for the fields of a .sol file, whose names are numbers."""
     sections = medit_sections(path, content)
     found = {}
     for keyword, at_vertices in (("SolAtVertices", True), ("SolAtTetrahedra", False)):

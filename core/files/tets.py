@@ -10,6 +10,7 @@
 import re
 import zlib
 from base64 import b64decode
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
@@ -22,48 +23,35 @@ from ..graphs import components
 from .border import TEXT_BYTES, UNREADABLE, border, check_promise, read_bytes, text_numbers, whole_numbers
 
 SUFFIXES = (".mesh", ".vtu")
-# Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
+# Cells of VTK: a triangle, a tetrahedron, and other cells with a volume.
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
-# Memory of the arrays of a point and of a cell of a .vtu file while they are read: each twice for a moment.
+# Bytes of the arrays of a point and of a cell of a .vtu file while they are read, when they exist twice.
 _POINT_BYTES, _CELL_BYTES = 48, 128
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
+# Vertices, tetrahedra and triangles of a file, and numbers of the triangles by name.
+_Read = tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndarray]]
 
 
-def read_tets(path):
-    """The solid in a ``.mesh`` or ``.vtu`` file, which the suffix tells apart.
+def read_tets(path: str | Path) -> TetMesh:
+    """Read the solid in a ``.mesh`` or ``.vtu`` file.
 
-    Inverted tetrahedra are turned the right way. Where triangles of the file enclose some of its tetrahedra and others
-    fill the space around, up to a hull without triangles, only the enclosed ones are the solid. Vertices keep their
-    numbers.
+    Inverted tetrahedra are reordered. Where triangles of the file enclose some of its tetrahedra and others fill the
+    space around, up to a hull without triangles, only the enclosed ones are the solid. Vertices keep their numbers.
 
-    Returns
-    -------
-    TetMesh
-
-    Raises
-    ------
-    SettingError
-        naming the file, what is wrong in it, and the remedy
-    MeshError
-        likewise, where the file is sound and its tetrahedra are not
+    Raises SettingError naming the file, what is wrong in it, and the remedy; MeshError likewise, for a sound file with
+    bad tetrahedra.
     """
     return read_marked_tets(path)[0]
 
 
-def read_marked_tets(path):
-    """The solid as :func:`read_tets` reads it, and what its triangles are marked with.
-
-    Returns
-    -------
-    solid : TetMesh
-    marks : dict of (k, 3) vertices of triangles, by ``ref_NUMBER`` of the references of a ``.mesh``, or by
-        ``NAME_NUMBER`` of whole numbers on the cells of a ``.vtu``
-    """
+def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
+    """Read a solid as :func:`read_tets`, and (k, 3) vertices of its marked triangles: by ``ref_NUMBER`` for the
+    references of a ``.mesh``, by ``NAME_NUMBER`` for whole numbers on the cells of a ``.vtu``."""
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise SettingError(f"{path} is no known file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
+        raise SettingError(f"{path} is not a file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
     with border(path):
         read = _read_medit if suffix == ".mesh" else _read_vtu
         vertices, tets, triangles, numbers = read(path, read_bytes(path, TEXT_BYTES))
@@ -78,8 +66,8 @@ def read_marked_tets(path):
         return _enclosed_parts(mesh, triangles), _number_groups(triangles, numbers, len(vertices))
 
 
-def _number_groups(triangles, numbers, count):
-    """Triangles of known vertices by name and number."""
+def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
+    """Triangles of existing vertices by name and number."""
     known = ((triangles >= 0) & (triangles < count)).all(axis=1)
     return {
         f"{name}_{number}": triangles[known & (values == number)]
@@ -88,8 +76,8 @@ def _number_groups(triangles, numbers, count):
     }
 
 
-def _enclosed_parts(mesh, triangles):
-    """The parts of a solid whose boundary, where triangles cut it into parts, is made of triangles only."""
+def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
+    """The parts of a solid, cut by triangles, whose boundaries consist of triangles only."""
     if not len(triangles):
         return mesh
     _, names = np.unique(np.concatenate([mesh.faces, np.sort(triangles, axis=1)]), axis=0, return_inverse=True)
@@ -103,7 +91,7 @@ def _enclosed_parts(mesh, triangles):
     return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])
 
 
-def medit_sections(path, content):
+def medit_sections(path: Path, content: bytes) -> dict[str, str]:
     """The text after each keyword of a MEDIT file of dimension 3."""
     try:
         text = re.sub(r"#.*", "", content.decode("ascii"))
@@ -113,16 +101,16 @@ def medit_sections(path, content):
     parts = re.split(r"\b([A-Za-z]\w{2,})", text)
     sections = dict(zip(parts[1::2], parts[2::2], strict=True))
     if "MeshVersionFormatted" not in sections:
-        raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted, export it again")
+        raise SettingError(f"{path} is not a MEDIT file: it lacks MeshVersionFormatted, export it again")
     if sections.get("Dimension", "3").strip() != "3":
         raise SettingError(f"{path} is flat: export a solid of dimension 3")
     return sections
 
 
-def _read_medit(path, content):
+def _read_medit(path: Path, content: bytes) -> _Read:
     sections = medit_sections(path, content)
     if not sections.get("Vertices", "").strip():
-        raise SettingError(f"{path} is no MEDIT file: it lacks Vertices, export it again")
+        raise SettingError(f"{path} is not a MEDIT file: it lacks Vertices, export it again")
     for name in MEDIT_SOLIDS:
         if len(sections.get(name, "").split(None, 2)) > 1:
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
@@ -135,11 +123,11 @@ def _read_medit(path, content):
     return vertices, tets - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
 
 
-def medit_rows(name, text, width):
-    """(count, width + 1) numbers of a section, the last ones the references that end its rows."""
+def medit_rows(name: str, text: str, width: int) -> np.ndarray:
+    """(count, width + 1) numbers of a section, the last of each row its reference."""
     try:
-        count, *rest = text.split(None, 1)
-        count, numbers = int(count), text_numbers(*rest or [""])
+        head, *rest = text.split(None, 1)
+        count, numbers = int(head), text_numbers(*rest or [""])
     except (ValueError, OverflowError) as error:
         raise SettingError(f"something among its {name} is not a number: export it again") from error
     if count < 0 or len(numbers) != count * (width + 1):
@@ -150,7 +138,7 @@ def medit_rows(name, text, width):
     return numbers.reshape(count, width + 1)
 
 
-def _read_vtu(path, content):
+def _read_vtu(path: Path, content: bytes) -> _Read:
     root, appended = vtu_root(path, content)
     points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
     count, marks = 0, []
@@ -181,51 +169,59 @@ def _read_vtu(path, content):
         triangles.append(corners[ends[types == VTK_TRIANGLE][:, None] + np.arange(-3, 0)] + count)
         marks.append({name: found[types == VTK_TRIANGLE] for name, found in values.items()})
         count += len(here)
-    # What all pieces have.
     shared = set.intersection(*map(set, marks)) if marks else set()
     numbers = {name: np.concatenate([mark[name] for mark in marks]) for name in sorted(shared)}
     return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
 
 
 @contextmanager
-def vtu_arrays():
-    """Say of what damaged arrays of a .vtu file raise inside that it is an array that cannot be read."""
+def vtu_arrays() -> Iterator[None]:
+    """Turn errors of damaged arrays of a .vtu file into one line."""
     try:
         yield
     except (*UNREADABLE, MemoryError) as error:
         raise SettingError(f"it has an array that cannot be read ({error}): export it again") from error
 
 
-def vtu_sizes(piece):
-    """The numbers of points and of cells that a piece of a .vtu file promises."""
+def vtu_sizes(piece: ElementTree.Element) -> tuple[int, int]:
+    """The numbers of points and cells that a piece of a .vtu file promises."""
     with vtu_arrays():
-        points, cells = (int(piece.get(f"NumberOf{name}")) for name in ("Points", "Cells"))
+        points, cells = (int(_get(piece, f"NumberOf{name}")) for name in ("Points", "Cells"))
         if min(points, cells) < 0:
             raise ValueError(f"{points} points, {cells} cells")
         return points, cells
 
 
-def check_vtu_sizes(path, root):
+def _get(element: ElementTree.Element, name: str) -> str:
+    value = element.get(name)
+    if value is None:
+        raise ValueError(f"{name} is missing")
+    return value
+
+
+def check_vtu_sizes(path: Path, root: ElementTree.Element) -> None:
     """Refuse a file whose pieces promise more points and cells than memory holds."""
     sizes = [vtu_sizes(piece) for piece in root.iter("Piece")]
     check_promise(path, sum(_POINT_BYTES * points + _CELL_BYTES * cells for points, cells in sizes))
 
 
-def vtu_root(path, content, kind="UnstructuredGrid"):
-    """The XML of a .vtu file, or of another kind of VTK's, and its appended bytes."""
+def vtu_root(path: Path, content: bytes, kind: str = "UnstructuredGrid") -> tuple[ElementTree.Element, bytes]:
+    """The XML of a .vtu file, or of VTK's file of another kind, and its appended bytes."""
     head, appended, tail = _without_raw_data(content)
     try:
         root = ElementTree.fromstring(head + tail)
     except ElementTree.ParseError as error:
-        raise SettingError(f"{path} is no XML file ({error}): export it again") from error
+        raise SettingError(f"{path} is not an XML file ({error}): export it again") from error
     if root.tag != "VTKFile" or root.get("type") != kind:
-        wanted = "no unstructured grid of VTK: export it as .vtu" if kind == "UnstructuredGrid" else f"not VTK's {kind}"
+        wanted = (
+            "not an unstructured grid of VTK: export it as .vtu" if kind == "UnstructuredGrid" else f"not VTK's {kind}"
+        )
         raise SettingError(f"{path} is {wanted}")
     return root, appended
 
 
-def _without_raw_data(content):
-    """The XML before and after appended data, and these from their first byte on; raw bytes are no XML."""
+def _without_raw_data(content: bytes) -> tuple[bytes, bytes, bytes]:
+    """The XML before appended data, these data, and the XML after them: raw bytes are not XML."""
     tag = content.find(b"<AppendedData")
     first = content.find(b"_", content.find(b">", tag))
     last = content.rfind(b"</AppendedData>")
@@ -234,9 +230,11 @@ def _without_raw_data(content):
     return content[:first], content[first + 1 : last], content[last:]
 
 
-def vtu_array(root, appended, array, count):
-    """The numbers of an array of a .vtu file, in a row; one of ``UNREADABLE`` is raised for a damaged one, and for one
-    that holds another count of numbers than there should be, before it is unpacked."""
+def vtu_array(root: ElementTree.Element, appended: bytes, array: ElementTree.Element | None, count: int) -> np.ndarray:
+    """(count,) numbers of an array of a .vtu file; raises one of ``UNREADABLE`` for a damaged array or another count,
+    before anything is unpacked."""
+    if array is None:
+        raise ValueError("it is missing")
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
     kinds = {"Float": "f", "Int": "i", "UInt": "u"}
     name = array.get("type", "")
@@ -247,7 +245,7 @@ def vtu_array(root, appended, array, count):
     if compressor not in (None, "", "vtkZLibDataCompressor"):
         raise ValueError(f"compressed by {compressor}, use zlib")
     if array.get("format") == "appended":
-        stored, raw = appended[int(array.get("offset")) :], root.find("AppendedData").get("encoding") == "raw"
+        stored, raw = appended[int(_get(array, "offset")) :], root.find("AppendedData[@encoding='raw']") is not None
     else:
         stored, raw = "".join((array.text or "").split()).encode("ascii"), False
     header = np.dtype(order + {"UInt32": "u4", "UInt64": "u8"}[root.get("header_type", "UInt32")])
@@ -255,14 +253,14 @@ def vtu_array(root, appended, array, count):
     return _count_text(np.frombuffer(unpack(stored, header, raw, int(count) * dtype.itemsize), dtype), count)
 
 
-def _count_text(numbers, count):
+def _count_text(numbers: np.ndarray, count: int) -> np.ndarray:
     if len(numbers) != count:
         raise ValueError(f"{len(numbers)} numbers where {count} are promised")
     return numbers
 
 
-def _plain(stored, header, raw, wanted):
-    """Bytes after a header that says how many; in base64 the two make one stream, or one each."""
+def _plain(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
+    """Bytes after a header with their number; in base64 both are one stream, or one each."""
     width = header.itemsize
     size = int(np.frombuffer(_bytes(stored, 0, width, raw), header)[0])
     if size != wanted:
@@ -275,7 +273,7 @@ def _plain(stored, header, raw, wanted):
     return _bytes(stored, 0, width + size, raw)[width:]
 
 
-def _decompress_blocks(stored, header, raw, wanted):
+def _decompress_blocks(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
     """Blocks after a header of their number, their size, the last one's size and the compressed size of each."""
     blocks = int(np.frombuffer(_bytes(stored, 0, header.itemsize, raw), header)[0])
     width = (3 + blocks) * header.itemsize
@@ -293,14 +291,14 @@ def _decompress_blocks(stored, header, raw, wanted):
     return b"".join(found)
 
 
-def _bytes(stored, first, count, raw):
-    """So many bytes from a place in raw bytes or in base64."""
+def _bytes(stored: bytes, first: int, count: int, raw: bool) -> bytes:
+    """``count`` bytes from a place in raw bytes or in base64."""
     found = stored[first : first + count] if raw else b64decode(stored[first : first + _characters(count)])[:count]
     if len(found) < count:
         raise ValueError(f"{len(found)} bytes where {count} are promised")
     return found
 
 
-def _characters(count):
+def _characters(count: int) -> int:
     """Characters of base64 for so many bytes."""
     return -(-count // 3) * 4

@@ -1,24 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paths of a tool as text: a table with a row for each point, or polylines as .obj files have them.
-
-Closed paths come back to their first point.
-"""
+"""Paths of a tool as text: a table with a row for each point, or polylines of an .obj file."""
 
 import numpy as np
 
+from ..extract.lines.isolines import Isolines
 from .digits import DIGITS, number_format
 
 
-def table_of(lines, layers, points, normals, heights, widths, above):
-    """Text of a .csv file: layer, path, place and normal of each point, height and width of the bead there, and how far
-    it reaches above the layer, where the nozzle is.
+def table_of(
+    lines: Isolines,
+    layers: np.ndarray,
+    points: np.ndarray,
+    normals: np.ndarray,
+    heights: np.ndarray,
+    widths: np.ndarray,
+    above: np.ndarray,
+) -> str:
+    """Text of a .csv file, a row for each point.
 
     Parameters
     ----------
-    lines : Isolines
     layers : (l,) the layer of each line
-    points, normals : (n, 3) of the lines' points
-    heights, widths, above : (n,) there
+    points, normals : (n, 3)
+    heights, widths, above : (n,) height and width of the bead, and how far the nozzle is above the layer
     """
     rows = ["layer,path,x,y,z,nx,ny,nz,height,width,above"]
     form = ",".join(3 * [number_format(points)] + 6 * [f"%.{DIGITS}g"])
@@ -28,8 +32,8 @@ def table_of(lines, layers, points, normals, heights, widths, above):
     return "\n".join(rows) + "\n"
 
 
-def polylines_of(lines, layers, points, *_):
-    """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, what has no place is left out."""
+def polylines_of(lines: Isolines, layers: np.ndarray, points: np.ndarray, *_: np.ndarray) -> str:
+    """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, the rest is left out."""
     form, before = "v " + " ".join(3 * [number_format(points)]), None
     rows = [form % tuple(point) for point in points]
     for layer, run in zip(layers, lines.runs, strict=True):

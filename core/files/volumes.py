@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flows in OpenVDB files: grids of vectors, centred or staggered, and grids of their components apart."""
+"""Flows in OpenVDB files: grids of vectors, centred or staggered, or a grid for each component."""
 
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import map_coordinates
@@ -15,44 +19,32 @@ from ..geometry.grid import Grid, box_grid
 from ..memory import at_most, machine_bytes
 from ..settings.flow import VELOCITY
 from .border import border
-from .openvdb import openvdb_module
-from .vdb_sizes import check_vdb_sizes
+from .openvdb import check_vdb_sizes, openvdb_module
 
-# Of a number in single precision.
-_VOXEL_BYTES = 4
-# What reading a volume may take: so many bytes, and for each byte of its file, which is compressed, so many more.
+# The memory that reading a volume may take: so many bytes, and so many more for each byte of its compressed file.
 SOUND_BYTES, SOUND_RATIO = 2**31, 200
-# Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
+# Volumes thinner than this share of their width are flat: their scale is rounded to about as much.
 _FLAT = 1e-6
-# No transform of a volume has a number as large as this.
-_FARTHEST = 1e30
-# The library crashes at copying voxels whose numbers are above 2**29.
-_FARTHEST_VOXEL = 2**28
-# Indices as far from whole ones as this are rounded to them.
+# Numbers of transforms are smaller than this; the library crashes at copying voxels with indices above 2**29.
+_FARTHEST, _FARTHEST_VOXEL = 1e30, 2**28
+# Indices this near to whole numbers are rounded to them.
 _ASIDE = 1e-3
-# Names of a flow's vectors, the first of which Blender's own liquids have, and of its vorticity.
+# Names of velocities, the first of which Blender's own liquids have, and of vorticities.
 USUAL, ROTATIONS = (VELOCITY, "vel", "v", "u"), ("vorticity", "vort", "omega", "curl")
-# What the names of components end with where each is a grid of its own.
+# Ends of the names of components that are grids of their own.
 _ENDS = ((".x", ".y", ".z"), ("_x", "_y", "_z"), ("[0]", "[1]", "[2]"), ("x", "y", "z"))
 
 
-def is_vorticity(name):
-    """Whether vectors of this name are the vorticity of a flow."""
-    return name.lower() in ROTATIONS
-
-
-def choose_flow(path, vectors, numbers, attribute, have=None):
-    """Which of a file's arrays or grids are the flow.
-
-    It is the one, or the components of the one, that ``attribute`` names; where that is "velocity" and there is none,
-    one of another usual name, one of a vorticity, then the first one.
+def choose_flow(
+    path: Path, vectors: Sequence[str], numbers: Sequence[str], attribute: str, have: str | None = None
+) -> tuple[tuple[str, ...], bool, tuple[str, ...]]:
+    """Choose the flow among a file's arrays or grids: the one, or the components of the one, that ``attribute`` names;
+    if that is "velocity" and missing, one with another usual name, else a vorticity, else the first one.
 
     Parameters
     ----------
-    path : of the file
     vectors, numbers : names of arrays of vectors, and of plain numbers
-    attribute : name that is wanted
-    have : what errors say that there is, None for these names
+    have : the content of the file for errors; None for these names
 
     Returns
     -------
@@ -60,10 +52,7 @@ def choose_flow(path, vectors, numbers, attribute, have=None):
     is_curl : whether they are the vorticity
     warnings : lines that the user should read
 
-    Raises
-    ------
-    SettingError
-        naming those that there are where there is none
+    Raises SettingError naming the content of a file without such vectors.
     """
     have = have or ", ".join([*vectors, *numbers]) or "none"
     flows = component_names(numbers) | {name: (name,) for name in vectors}
@@ -73,15 +62,15 @@ def choose_flow(path, vectors, numbers, attribute, have=None):
     by_name = {name.lower(): name for name in reversed(flows)}
     found = next((by_name[name.lower()] for name in wanted if name.lower() in by_name), None)
     if found is not None:
-        return flows[found], is_vorticity(found), ()
+        return flows[found], found.lower() in ROTATIONS, ()
     if attribute != VELOCITY:
         raise SettingError(f"{path}: has no vectors {attribute!r} (it has {have}): name one of these")
     first = (*vectors, *flows)[0]
     warning = f"{first} is taken for the velocity (there are {have}): name another one as the attribute"
-    return flows[first], is_vorticity(first), (warning,) if len(flows) > 1 else ()
+    return flows[first], first.lower() in ROTATIONS, (warning,) if len(flows) > 1 else ()
 
 
-def component_names(names):
+def component_names(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """The three names of each vector whose components have names of their own, by its name."""
     found: dict[str, tuple[str, ...]] = {}
     for ends in _ENDS:
@@ -102,14 +91,14 @@ class Channel:
     Attributes
     ----------
     values : (nx, ny, nz)
-    to_world : (4, 4) matrix that takes indices of the values, whole ones where they are known, to the world
+    to_world : (4, 4) matrix from indices of the values to the world
     """
 
     values: np.ndarray
     to_world: np.ndarray
 
-    def at(self, places):
-        """(n,) values at (n, 3) places in the world, between the voxels by straight lines."""
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """(n,) values at (n, 3) places in the world, interpolated linearly."""
         inverse = np.linalg.inv(self.to_world)
         return map_coordinates(self.values, inverse[:3, :3] @ places.T + inverse[:3, 3:], order=1, mode="nearest")
 
@@ -120,11 +109,11 @@ class VoxelFlow:
 
     Attributes
     ----------
-    channels : the three :class:`Channel` along the file's axes
+    channels : along the file's three axes
     box : lowest and highest corner in the world
-    turn : (3, 3) matrix that takes velocities to the world
-    is_staggered : whether each component is known between the voxels of the others, on the faces along its axis
-    is_vorticity : whether it is the vorticity of the flow
+    turn : (3, 3) matrix from the file's velocities to the world
+    is_staggered : whether each component is known on the faces across its axis
+    is_vorticity : whether the values are the vorticity of the flow
     warnings : lines that the user should read
     """
 
@@ -136,27 +125,25 @@ class VoxelFlow:
     warnings: tuple[str, ...]
 
     @property
-    def noise(self):
-        """Of the voxels, as :func:`sampling_noise` has it."""
+    def noise(self) -> float | None:
+        """The :func:`sampling_noise` of the voxels; None where it cannot be measured."""
         values = [channel.values for channel in self.channels]
         if self.is_vorticity or len({part.shape for part in values}) > 1:
             return None
         spacing = np.linalg.norm(self.channels[0].to_world[:3, :3], axis=0)
         return sampling_noise(Grid(values[0].shape, spacing), np.stack(values, axis=-1).reshape(-1, 3))
 
-    def grid(self, resolution):
-        """A grid along the world's axes, with so many nodes along its longest side."""
+    def grid(self, resolution: int) -> Grid:
+        """A grid along the world's axes with ``resolution`` nodes along its longest side."""
         return box_grid(*self.box, resolution)
 
-    def at(self, places):
+    def at(self, places: np.ndarray) -> np.ndarray:
         """(n, 3) vectors at places in the world."""
         return np.stack([channel.at(places) for channel in self.channels], axis=1) @ self.turn.T
 
-    def integrals(self, grid):
-        """(e,) of the velocity along the grid's edges, by what is between the voxels at its nodes.
-
-        Where the grid has the nodes of a staggered file, components are known in the middle of edges, which count too.
-        """
+    def integrals(self, grid: Grid) -> np.ndarray:
+        """(e,) integrals of the velocity along the grid's edges; for staggered files also by their middles, where the
+        components are known."""
         values = self.at(grid.places)
         if self.is_vorticity:
             return vorticity_integrals(grid, values)
@@ -179,11 +166,10 @@ class VolumeFile:
 
     Attributes
     ----------
-    path : of the file
-    matrix : (4, 4) that takes the file's world to the scene's
-    name : what errors call the volume
-    attribute : name of its grid, as :func:`_flow_grids` has it
-    module : file of the OpenVDB module, None where that is found by its name
+    matrix : (4, 4) from the file's world to the scene's
+    name : of the volume in errors
+    attribute : name of its grid, as in :func:`choose_flow`
+    module : file of the OpenVDB module; None to find it by its name
     """
 
     path: Path
@@ -192,21 +178,15 @@ class VolumeFile:
     attribute: str
     module: str | None
 
-    def read(self):
-        """The :class:`VoxelFlow`.
-
-        Raises
-        ------
-        SettingError
-            in one line, for a file that is no such flow, and for a matrix that makes it flat
-        """
+    def read(self) -> VoxelFlow:
+        """Read the flow; SettingError for another file, and for a matrix that makes it flat."""
         path, vdb = self.path, openvdb_module(self.module)
         if not path.is_file():
             raise SettingError(f"{path}: no such file")
         with border(path, "choose an OpenVDB file"):
             return self._read(vdb)
 
-    def _read(self, vdb):
+    def _read(self, vdb: ModuleType) -> VoxelFlow:
         path = self.path
         try:
             with self._limited():
@@ -250,18 +230,18 @@ class VolumeFile:
         box = world_box(low, high, self.matrix)
         return VoxelFlow(tuple(channels), box, self.matrix[:3, :3], is_staggered, is_curl, warnings)
 
-    def _limited(self):
-        """Hold the reader to the memory that a sound file can take."""
+    def _limited(self) -> AbstractContextManager[None]:
+        """Limit the reader to the memory that a sound file can take."""
         return at_most(SOUND_BYTES + SOUND_RATIO * self.path.stat().st_size)
 
-    def _metadata(self, vdb):
-        """The headers of the file's grids, whose promises its bytes can hold."""
+    def _metadata(self, vdb: ModuleType) -> list[Any]:
+        """The headers of the file's grids, whose sizes have been checked."""
         check_vdb_sizes(self.path)
         return vdb.readAllGridMetadata(str(self.path))
 
-    def header(self):
-        """Lowest and highest index of the file's grid, and the (4, 4) matrix that takes indices to the file's world,
-        without reading any voxel; None where the header does not tell them."""
+    def header(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """Lowest and highest index of the file's grid, and the (4, 4) matrix from indices to the file's world, without
+        reading a voxel; None where the header lacks them."""
         try:
             with self._limited():
                 grids = self._metadata(openvdb_module(self.module))
@@ -273,8 +253,8 @@ class VolumeFile:
         return low, high, _index_to_world(chosen[0])
 
 
-def _flow_grids(path, grids, attribute):
-    """The grids of a volume that are the flow, by their headers, as :func:`choose_flow`, with its name."""
+def _flow_grids(path: Path, grids: list[Any], attribute: str) -> tuple[list[Any], bool, tuple[str, ...]]:
+    """Headers of the grids that :func:`choose_flow` chooses, and the rest of its result."""
     by_name = {grid.name: grid for grid in reversed(grids)}
     vectors = [grid.name for grid in grids if grid.valueTypeName.startswith("vec3")]
     numbers = [grid.name for grid in grids if grid.valueTypeName in ("float", "double", "half")]
@@ -283,14 +263,16 @@ def _flow_grids(path, grids, attribute):
     return [by_name[name] for name in names], is_curl, warnings
 
 
-def _read_box(name, grid, low, high, own, share):
-    """The values of a grid in a box of its file's world, and the lowest index there; it is one of ``share`` grids."""
+def _read_box(
+    name: str, grid: Any, low: np.ndarray, high: np.ndarray, own: np.ndarray, share: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The values of one of ``share`` grids in a box of the file's world, and the lowest index there."""
     low, high = world_box(low, high, np.linalg.inv(own))
     low, high = np.floor(low + _ASIDE), np.ceil(high - _ASIDE)
     if max(map(abs, (*low, *high))) > _FARTHEST_VOXEL:
         raise SettingError(f"the grid {name} has voxels too far from its origin: move them nearer to it")
     counts = high - low + 1
-    if counts.prod() * 3 * _VOXEL_BYTES > machine_bytes() / 2:
+    if counts.prod() * 3 * 4 > machine_bytes() / 2:
         size = " x ".join(f"{count:.0f}" for count in counts)
         raise SettingError(f"the grid {name} spans {size} voxels, more than memory holds: remove what lies far away")
     values = np.empty((*counts.astype(int), *[3] * (share == 1)), np.float32)
@@ -300,7 +282,7 @@ def _read_box(name, grid, low, high, own, share):
     return values, low
 
 
-def _index_to_world(grid):
+def _index_to_world(grid: Any) -> np.ndarray:
     """(4, 4) matrix of a grid's linear transform."""
     origin = np.array(grid.transform.indexToWorld((0, 0, 0)))
     matrix = np.eye(4)
@@ -310,7 +292,7 @@ def _index_to_world(grid):
     return matrix
 
 
-def world_box(low, high, to_world):
+def world_box(low: np.ndarray, high: np.ndarray, to_world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner in the world of a box of indices."""
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1)
     world = to_world[:3, :3] @ corners + to_world[:3, 3:]

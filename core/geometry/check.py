@@ -19,11 +19,8 @@ FEW_FAR, ALONE = 0.1, 100.0
 def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
     """Raise :class:`MeshError` with one line for the first defect found.
 
-    Loose vertices are harmless: they carry no field (see :attr:`TriangleMesh.loose_vertices`).
-
-    Parameters
-    ----------
-    faces : (m,) int, the user's face of each triangle (a polygon of a Blender mesh), which messages name
+    Loose vertices are harmless: they carry no field (see :attr:`TriangleMesh.loose_vertices`). ``faces``: (m,) int, the
+    user's face of each triangle (a polygon of a Blender mesh), which messages name.
     """
     faces = np.arange(mesh.triangle_count) if faces is None else np.asarray(faces)
     if mesh.vertex_count == 0:

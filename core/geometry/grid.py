@@ -20,6 +20,9 @@ _PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
 class Grid:
     """Nodes in rows along the axes.
 
+    Raises MeshError for fewer than two nodes along an axis (three if periodic), a spacing that is not positive, and
+    obstacles that leave no cell open.
+
     Parameters
     ----------
     shape : nodes along each of two or three axes
@@ -27,12 +30,6 @@ class Grid:
     origin : position of the first node
     periodic : whether the last node of an axis is followed by the first, one or one per axis
     solid : bool of the grid's shape, whether a node lies in an obstacle
-
-    Raises
-    ------
-    MeshError
-        for fewer than two nodes along an axis (three if periodic), a spacing that is not positive, and obstacles that
-        leave no cell open
     """
 
     def __init__(

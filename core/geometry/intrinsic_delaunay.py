@@ -112,7 +112,7 @@ class IntrinsicMesh:
 
     @property
     def edge_lengths(self) -> np.ndarray:
-        """(e,)"""
+        """(e,) length of each edge."""
         return self.sides.ravel()[self._first_halves]
 
     @property
@@ -133,7 +133,7 @@ class IntrinsicMesh:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """(m,)"""
+        """(m,) area of each triangle."""
         return 0.5 * self.sides[:, 0] * self.sides[:, 2] * np.sin(self.corner_angles[:, 0])
 
     @cached_property

@@ -51,7 +51,7 @@ class Finding:
 
     @property
     def kind(self) -> str:
-        """ "vertex", "edge" or "face" """
+        """What it is of: "vertex", "edge" or "face"."""
         return KINDS[self.name][0]
 
     @property
@@ -90,10 +90,7 @@ class Carrier:
 def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
     """Repair a mesh that :func:`check_mesh` refuses; its triangles are those of the polygons.
 
-    Raises
-    ------
-    MeshError
-        if no face is left
+    Raises MeshError if no face is left.
     """
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
     vertices = finite_places(mesh.vertices)

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mesh as it was read from an object, on which fields are solved."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from ..errors import MeshError
 from . import TriangleMesh
-from .manifold_repair import Finding, find_seam_ends
+from .check import check_mesh, coarse_places
+from .manifold_repair import Finding, carrier, find_seam_ends, finite_places
 from .polygons import Polygons
+from .welding import welded_vertices
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,70 @@ class MeshInput:
     def to_object(self, vectors: np.ndarray) -> np.ndarray:
         """Transform (n, 3) vectors of the mesh to unit vectors in object space at the object's vertices."""
         return unstretched(self.at_object(vectors), self.stretch)
+
+
+@dataclass(frozen=True)
+class ObjectMesh:
+    """The faces of an object as they were read.
+
+    Attributes
+    ----------
+    name : of the object, for messages
+    vertices : (n, 3) in the object's space
+    polygons : all faces
+    stretch : (3, 3) scale of the measured space
+    """
+
+    name: str
+    vertices: np.ndarray
+    polygons: Polygons
+    stretch: np.ndarray
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """(n, 3) vertices in the measured space; those that are not finite stay so."""
+        with np.errstate(invalid="ignore"):
+            places: np.ndarray = self.vertices @ self.stretch.T
+        return places
+
+    def surface(self, strict: bool = False, weld: bool = False) -> MeshInput:
+        """The surface, repaired where it has to be.
+
+        Raises MeshError naming the first element that cannot carry a field.
+
+        Parameters
+        ----------
+        strict : refuse what cannot carry a field as it is, instead of repairing it
+        weld : join boundary vertices at the same place
+        """
+        count = len(self.places)
+        joined = welded_vertices(self.places, self.polygons.triangles) if weld else np.arange(count)
+        moved = np.flatnonzero(joined != np.arange(count))
+        welds = (Finding("joined_vertices", moved),) if len(moved) else ()
+        polygons = replace(self.polygons, corner_vertices=joined[self.polygons.corner_vertices])
+        mesh = TriangleMesh(self.places, polygons.triangles)
+        try:
+            check_mesh(mesh, polygons.triangle_faces)
+        except MeshError:
+            if strict or mesh.triangle_count == 0:
+                raise
+            found = carrier(mesh, polygons)
+            coarse = coarse_places(mesh.vertices, mesh.edges)
+            if coarse and "flat_faces" in {finding.name for finding in found.findings}:
+                raise MeshError(f"{self.name} has lost its shape: {coarse}") from None
+            places = found.mesh, found.polygons, self.stretch, found.mesh, found.source
+            across = found.across if len(found.across) else None
+            return MeshInput(*places, welds + found.findings, found.own[joined], across, across)
+        own = joined if len(moved) else None
+        return MeshInput(mesh, polygons, self.stretch, mesh, np.arange(mesh.vertex_count), welds, own)
+
+    def moved(self, base: MeshInput) -> MeshInput:
+        """The surface of the same faces as a base whose vertices were at other places; errors as :meth:`surface`."""
+        left_out = np.bincount(base.uncut.triangles.ravel(), minlength=len(base.source)) == 0
+        places = np.where(left_out[:, None], finite_places(self.places)[base.source], self.places[base.source])
+        mesh = TriangleMesh(places, base.uncut.triangles)
+        check_mesh(mesh, base.polygons.triangle_faces)
+        return replace(base, mesh=mesh, uncut=mesh, stretch=self.stretch)
 
 
 def unstretched(vectors: np.ndarray, stretch: np.ndarray) -> np.ndarray:

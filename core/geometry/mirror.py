@@ -17,12 +17,7 @@ def mirrored_vertices(mesh: TriangleMesh, polygons: Polygons, axis: int) -> np.n
     """Find the (n,) mirror images of the vertices: coordinate ``axis`` (0, 1, 2) changes its sign.
 
     Vertices at the same place, as on a mesh that was cut open, are distinguished by their faces. Loose vertices mirror
-    themselves.
-
-    Raises
-    ------
-    AsymmetryError
-        with the vertices that have no counterpart, or whose faces have none
+    themselves. Raises AsymmetryError with the vertices that have no counterpart, or whose faces have none.
     """
     return mirrored_corners(mesh, polygons, axis)[0]
 

@@ -15,16 +15,13 @@ MOST_PLACES = 1_000_000
 def check_length(name: str, length: float, step: float) -> None:
     """Refuse curves that would have more than ``MOST_PLACES`` places.
 
+    Raises SettingError for curves that are too long, or whose length is not finite.
+
     Parameters
     ----------
     name : of the curves, in errors
     length : of all curves, scene units
     step : distance of places, scene units
-
-    Raises
-    ------
-    SettingError
-        for curves that are too long, or whose length is not finite
     """
     if not math.isfinite(length):
         raise SettingError(f"{name} has points without a finite place: set their coordinates, or delete them")

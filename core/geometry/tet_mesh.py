@@ -50,15 +50,12 @@ class _Faces:
 class TetMesh:
     """Vertices and positively oriented tetrahedra, and quantities derived from them, computed on first use.
 
+    Raises MeshError for arrays of another shape, a vertex index out of range, and no, flat or inverted tetrahedra.
+
     Parameters
     ----------
     vertices : (n, 3) float array, in scene units
     tets : (m, 4) int array: seen from the first corner, the other three run clockwise; see :func:`positive`
-
-    Raises
-    ------
-    MeshError
-        for arrays of another shape, a vertex index out of range, and no, flat or inverted tetrahedra
     """
 
     def __init__(self, vertices: ArrayLike, tets: ArrayLike) -> None:
@@ -178,7 +175,7 @@ class TetMesh:
 
     @cached_property
     def edge_lengths(self) -> np.ndarray:
-        """(e,)"""
+        """(e,) length of each edge."""
         return np.linalg.norm(self.edge_vectors, axis=1)
 
     @cached_property

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..errors import MeshError
 from ..graphs import components
 from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
+from .nearest import NearestTriangles
 from .vertex_splitting import next_half_edges, previous_half_edges
 
 # Cotangents are clipped to a range in which sums do not overflow.
@@ -47,15 +48,12 @@ class _HalfEdges:
 class TriangleMesh:
     """Vertices and triangles, and quantities derived from them, computed on first use.
 
+    Raises MeshError for arrays of another shape, or a vertex index out of range.
+
     Parameters
     ----------
     vertices : (n, 3) float array, in scene units
     triangles : (m, 3) int array, oriented consistently; :func:`check_mesh` checks the other conditions
-
-    Raises
-    ------
-    MeshError
-        for arrays of another shape, or a vertex index out of range
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -161,7 +159,7 @@ class TriangleMesh:
 
     @cached_property
     def edge_lengths(self) -> np.ndarray:
-        """(e,)"""
+        """(e,) length of each edge."""
         return np.linalg.norm(self.edge_vectors, axis=1)
 
     @cached_property
@@ -181,7 +179,7 @@ class TriangleMesh:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """(m,)"""
+        """(m,) area of each triangle."""
         return 0.5 * self._corner_products[1][:, 0]
 
     @cached_property
@@ -317,6 +315,11 @@ class TriangleMesh:
             np.add.at(references, at, back)
         x = _normalized(references)
         return x, np.cross(normals, x)
+
+    @cached_property
+    def finder(self) -> NearestTriangles:
+        """Finds nearest points."""
+        return NearestTriangles(self.vertices, self.triangles)
 
     def tangent_numbers(self, vectors: np.ndarray) -> np.ndarray:
         """Compute (n,) complex tangential parts of (n, 3) vectors in :attr:`tangent_frames`."""

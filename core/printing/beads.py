@@ -62,8 +62,9 @@ def contour_beads(surfaces, step):
     if flat:
         rims = RimDistances(surfaces, step)
         coarse = surfaces.mesh
-        refuse_many_points(coarse, rims(coarse.vertices, np.arange(coarse.vertex_count)), step)
-        mesh, parents, distances = subdivide_by(surfaces.mesh, rims, _SIZE * step, _BENT * step, _MOST_TRIANGLES)
+        found = rims(coarse.vertices, np.arange(coarse.vertex_count))
+        refuse_many_points(coarse, found, step)
+        mesh, parents, distances = subdivide_by(coarse, found, rims, _SIZE * step, _BENT * step, _MOST_TRIANGLES)
     else:
         mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
         distances = rim_distances(mesh)
@@ -77,18 +78,23 @@ def contour_beads(surfaces, step):
     lines = _on_parents(lines, surfaces.mesh, parents)
     found = lines, layers, inner.astype(int), np.full(len(lines.triangles), float(step))
     rim = _rim(surfaces, step)
-    found = _join_beads(found, medial_beads(mesh, numbers, distances, _away(lines, layers, step), step), rim, step)
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
-    for _ in range(_ROUNDS):
-        gaps = _away(found[0], found[1], step)(mesh.vertices, at)
+    away = _away(lines, layers, step)
+    more = medial_beads(mesh, numbers, distances, away, step)
+    for left in reversed(range(_ROUNDS + 1)):
+        if more:
+            found = _join_beads(found, more, away, rim, step)
+            away = _away(found[0], found[1], step)
+        if not left:
+            break
+        gaps = away(mesh.vertices, at)
         far = (gaps > REACH * step) & _is_large(mesh, gaps > REACH * step, np.isinf(gaps), _TIP * step**2)
         more = beads_through(mesh, numbers, far, step)
         if not more:
             break
-        found = _join_beads(found, more, rim, step)
     lines, layers, kinds, _ = found
-    return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, layers, step))
+    return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, away, step))
 
 
 def plane_beads(surfaces, values, step):
@@ -96,9 +102,8 @@ def plane_beads(surfaces, values, step):
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
     mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
-    return Beads(
-        lines, layers, np.ones(len(layers), int), *share_area(mesh, surfaces.layers[parents], lines, layers, step)
-    )
+    shared = share_area(mesh, surfaces.layers[parents], lines, _away(lines, layers, step), step)
+    return Beads(lines, layers, np.ones(len(layers), int), *shared)
 
 
 def without_straight_points(lines, longest):
@@ -151,7 +156,7 @@ def _rim(surfaces, step):
     return BeadDistances(begins, ends, layers, step)
 
 
-def _join_beads(found, more, rim, step):
+def _join_beads(found, more, away, rim, step):
     """Lines, layers, kinds and widths with those of more beads, put onto the layers, ordered by layer."""
     lines, layers, kinds, widths = found
     if not more:
@@ -160,7 +165,7 @@ def _join_beads(found, more, rim, step):
     points = np.concatenate([bead.points for bead in more])
     sizes, of = np.array([len(bead.points) for bead in more]), np.array([bead.layer for bead in more])
     at = np.repeat(of, sizes)
-    free = np.minimum(_away(lines, layers, step)(points, at) - step / 2, rim(points, at))
+    free = np.minimum(away(points, at) - step / 2, rim(points, at))
     places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points)
     ends = np.array([[End.CLOSED if bead.closed else End.BOUNDARY] * 2 for bead in more])
     sizes, of = np.append(lines.sizes, sizes), np.append(layers, of)

@@ -6,6 +6,7 @@ from scipy.sparse import coo_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
+from ..algebra.workers import WORKERS
 from ..graphs import ragged_arange
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
@@ -23,7 +24,7 @@ MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
 
 
 class BeadDistances:
-    """Distances to the nearest bead of the same layer.
+    """Distances to the beads of the same layer.
 
     Parameters
     ----------
@@ -40,7 +41,8 @@ class BeadDistances:
         self._pieces = np.append(piece, np.arange(len(ends)))
         # Layers are far apart along a fourth axis.
         self._apart = 1e3 * (1 + np.abs(points).max(initial=0))
-        self._tree = cKDTree(np.column_stack([points, self._apart * layers])) if len(points) else None
+        at = np.column_stack([points, self._apart * layers])
+        self._tree = cKDTree(at, balanced_tree=False, compact_nodes=False) if len(points) else None
 
     def __call__(self, points, layers):
         """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead."""
@@ -50,12 +52,12 @@ class BeadDistances:
         """The same, and (n,) the piece that is nearest, -1 for none."""
         if self._tree is None or len(points) == 0:
             return np.full(len(points), np.inf), np.full(len(points), -1)
-        found, at = self._tree.query(np.column_stack([points, self._apart * layers]))
+        found, at = self._tree.query(np.column_stack([points, self._apart * layers]), workers=WORKERS)
         near = found < self._apart / 2
         return np.where(near, found, np.inf), np.where(near, self._pieces[np.where(near, at, 0)], -1)
 
 
-def share_area(mesh, layers, lines, numbers, step):
+def share_area(mesh, layers, lines, away, step):
     """Share the area of layers out to the beads that are nearest to it.
 
     Parameters
@@ -63,7 +65,7 @@ def share_area(mesh, layers, lines, numbers, step):
     mesh : TriangleMesh
     layers : (t,) of its triangles
     lines : Isolines, the middle of the beads
-    numbers : (l,) layer of each line
+    away : BeadDistances of these
     step : between beads
 
     Returns
@@ -72,15 +74,13 @@ def share_area(mesh, layers, lines, numbers, step):
     covered : (c,) share of each layer's area that is within half a step of a bead
     covered_share : of all layers
     """
-    points, following, of = lines.points, lines.next, numbers[lines.numbers]
-    away = BeadDistances(points, points[following], of, step)
     samples, triangle = _samples(mesh, step)
     areas = mesh.areas[triangle] / np.bincount(triangle)[triangle]
     found, piece = away.nearest(samples, layers[triangle])
     # What is farther than a whole bead away stays empty.
     near = found <= step
-    halves = np.bincount(piece[near], areas[near], len(points)) / 2
-    own = halves + np.bincount(following, halves, len(points))
+    halves = np.bincount(piece[near], areas[near], len(lines.triangles)) / 2
+    own = halves + np.bincount(lines.next, halves, len(halves))
     inside = np.bincount(triangle, areas * (found <= COVERED * step), mesh.triangle_count)
     widths = np.clip(even_along(lines, own, _EVEN * step), NARROWEST * step, WIDEST * step)
     covered, areas = np.bincount(layers, inside), np.bincount(layers, mesh.areas)

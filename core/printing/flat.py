@@ -36,16 +36,17 @@ class RimDistances:
     """Distances from the rim of the own layer, straight from its pieces."""
 
     def __init__(self, surfaces, step):
-        self._begins, self._ends, layers = rim_pieces(surfaces)
-        length = np.linalg.norm(self._ends - self._begins, axis=1).sum()
-        self._near = BeadDistances(self._begins, self._ends, layers, max(4 * step, length / _MOST))
+        self._begins, ends, layers = rim_pieces(surfaces)
+        self._ways = ends - self._begins
+        length = np.linalg.norm(self._ways, axis=1).sum()
+        self._near = BeadDistances(self._begins, ends, layers, max(4 * step, length / _MOST))
         self._layers = np.zeros(len(surfaces.vertices), int)
         self._layers[surfaces.triangles] = surfaces.layers[:, None]
 
     def __call__(self, points, vertices):
         """(k,) from (k, 3) points on the layers of (k,) vertices."""
         _, piece = self._near.nearest(points, self._layers[vertices])
-        along, away = self._ends[piece] - self._begins[piece], points - self._begins[piece]
+        along, away = self._ways[piece], points - self._begins[piece]
         shares = np.einsum("kx,kx->k", away, along) / np.maximum(np.einsum("kx,kx->k", along, along), 1e-300)
         return np.linalg.norm(away - np.clip(shares, 0, 1)[:, None] * along, axis=1)
 

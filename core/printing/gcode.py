@@ -5,10 +5,11 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
+from ..graphs import pairs_within, ragged_arange
 from .kinematics import divide_moves, table_angles, to_machine, to_part, tool_directions
 from .moves import simplify_moves
 from .timing import feed_words, move_seconds, overhead_seconds, turn_accelerations
@@ -16,6 +17,8 @@ from .writer import ProgramWriter
 
 # Travels that are shorter, in steps, stay near the layer.
 _NEAR = 4.0
+# What is printed so near to a short travel, in steps, may be in its way.
+_AROUND = 1.5
 # What beads are, as previews of G-code call it.
 SKIRT, WALL, INNER, GAP = "Skirt/Brim", "External perimeter", "Perimeter", "Gap infill"
 
@@ -33,6 +36,7 @@ class Course:
     layers : (l,) layer of each bead
     step : between beads
     kinds : what each bead is, empty for all the same
+    levels : (l,) how many layers lie below that of each bead, which pieces side by side share; empty for the layers
     """
 
     points: np.ndarray
@@ -44,6 +48,7 @@ class Course:
     layers: np.ndarray
     step: float
     kinds: list = field(default_factory=list)
+    levels: np.ndarray = field(default_factory=lambda: np.empty(0, int))
 
     @property
     def is_first(self):
@@ -106,25 +111,22 @@ def gcode(course, machine):
     moves = _Moves.of(course, machine)
     writer = ProgramWriter(machine)
     rows = [*_header(course, machine, moves), *_begin(machine)]
-    tops = _tops(moves.places, machine)
-    before, top, number, width, kinds = None, -np.inf, 0, None, course.kinds or [WALL] * len(course.runs)
+    tops, clearances = _tops(moves.places, machine), moves.clearances(course, machine)
+    before, top, number, kinds = None, -np.inf, 0, course.kinds or [WALL] * len(course.runs)
     fan, is_first = False, course.is_first
-    for bead, (layer, kind) in enumerate(zip(course.layers.tolist(), kinds, strict=True)):
+    levels = course.levels if len(course.levels) else course.layers
+    for bead, (level, kind) in enumerate(zip(levels.tolist(), kinds, strict=True)):
         first, stop = moves.begins[bead], moves.begins[bead + 1]
         target, angles = moves.places[first], moves.angles[first]
-        rows += writer.travel(target, angles, top, layer == before, _NEAR * course.step, moves.reach)
-        height = course.heights[course.runs[bead]].mean()
-        if layer != before:
-            rows += [";LAYER_CHANGE", f";Z:{target[2]:.3f}", f";LAYER:{number}", f";HEIGHT:{height:.3f}"]
+        rows += writer.travel(target, angles, top, level == before, _NEAR * course.step, moves.reach, clearances[bead])
+        if level != before:
+            height = course.heights[course.runs[bead]].mean()
+            rows += [";LAYER_CHANGE", f";Z:{target[2]:.3f}", f";LAYER:{level}", f";HEIGHT:{height:.3f}"]
             if machine.fan and not fan and number >= machine.fan_from and not (machine.fan_from and is_first[bead]):
                 rows.append(f"M106 S{round(255 * machine.fan)}")
                 fan = True
-            number, before = number + 1, layer
-        look = f";TYPE:{kind}\n;WIDTH:{course.widths[course.runs[bead]].mean():.3f}\n;HEIGHT:{height:.3f}"
-        if look != width:
-            rows.append(look)
-            width = look
-        rows += writer.start()
+            number, before = number + 1, level
+        rows += writer.start(kind)
         chosen = slice(first + 1, stop)
         rows += writer.bead(
             moves.places[chosen],
@@ -132,6 +134,7 @@ def gcode(course, machine):
             moves.points[chosen],
             moves.filament[chosen],
             moves.feeds[chosen],
+            moves.sizes[chosen],
         )
         top = max(top, tops[first:stop].max())
     rows += writer.finish(top)
@@ -209,6 +212,7 @@ def _with_skirt(course, machine):
         runs=[*runs, *course.runs],
         layers=np.append(np.full(len(runs), course.layers[0]), course.layers),
         kinds=[*[SKIRT] * len(runs), *(course.kinds or [WALL] * len(course.runs))],
+        levels=np.append(np.full(len(runs), course.levels[0]), course.levels) if len(course.levels) else course.levels,
     ), []
 
 
@@ -221,6 +225,7 @@ class _Moves:
     places, angles, points : (m, 3), (m, 2) and (m, 3) axes and tips at the ends of moves
     filament : (m,) drawn in on the way there, 0 at the first place of a bead
     feeds : (m,) millimetres a minute of the tip, or as the dialect counts
+    sizes : (m, 2) width and height of the bead on the way there
     begins : (l + 1,) where each bead begins
     reach : how far the place that is farthest from the pivot is from it
     facts : of the :class:`Program`
@@ -231,6 +236,7 @@ class _Moves:
     points: np.ndarray
     filament: np.ndarray
     feeds: np.ndarray
+    sizes: np.ndarray
     begins: np.ndarray
     reach: float
     facts: dict
@@ -249,15 +255,16 @@ class _Moves:
         lengths = np.where(first[1:], 0, piece_lengths(course.places[order]))
         filled = np.append(0.0, np.cumsum(lengths * (sections[:-1] + sections[1:]) / 2))
         spans, shares = divide_moves(points, angles, first, machine)
-        points, angles, along, filled = (_between(values, spans, shares) for values in (points, angles, along, filled))
+        sizes = np.column_stack([course.widths, course.heights])[order]
+        points, angles, along, filled, sizes = (
+            _between(values, spans, shares) for values in (points, angles, along, filled, sizes)
+        )
         bead, first = (np.cumsum(first) - 1)[spans], first[spans] & (shares == 0)
         places = to_machine(points, angles, machine)
         pivot = np.array([0, 0, machine.pivot_z])
         reach = float(np.linalg.norm(places - pivot, axis=1).max())
         stations = np.column_stack([places, np.radians(angles) * reach])
-        tolerance = machine.tolerance * course.step
-        if machine.turns:
-            tolerance = min(tolerance, 0.4 * machine.deviation)
+        tolerance = min(machine.tolerance * course.step, 0.4 * machine.deviation)
         begins = np.append(np.flatnonzero(first), len(first))
         chosen = [
             a + simplify_moves(along[a:b] - along[a], stations[a:b], _sections(along[a:b], filled[a:b]), tolerance)
@@ -265,7 +272,10 @@ class _Moves:
         ]
         kept = np.concatenate(chosen)
         deviation = _deviation(points, angles, places, kept, bead, machine)
-        points, angles, places, along, filled = (values[kept] for values in (points, angles, places, along, filled))
+        points, angles, places, along, filled, sizes = (
+            values[kept] for values in (points, angles, places, along, filled, sizes)
+        )
+        sizes[1:] = (sizes[1:] + sizes[:-1]) / 2
         bead, first = bead[kept], first[kept]
         ways, volumes = (np.where(first, 0, np.diff(values, prepend=0.0)) for values in (along, filled))
         # The first move of a bead is no move: it takes no time.
@@ -284,7 +294,32 @@ class _Moves:
             "slowed": float(ways[slowed].sum() / max(ways.sum(), 1e-12)),
         }
         feeds = feed_words(ways, places, angles, seconds, machine)
-        return cls(places, angles, points, filament, feeds, np.append(np.flatnonzero(first), len(first)), reach, facts)
+        begins = np.append(np.flatnonzero(first), len(first))
+        return cls(places, angles, points, filament, feeds, sizes, begins, reach, facts)
+
+    def clearances(self, course, machine):
+        """(l,) how far what is printed near the way to each bead's begin reaches above the ends of this way, along the
+        tool."""
+        ends, first = self.begins[1:-1] - 1, self.begins[1:-1]
+        along = np.diff(self.points, axis=0)
+        counts = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / course.step).astype(int), 1)
+        counts[first - 1] = 1
+        piece, place = ragged_arange(counts)
+        obstacles = self.points[piece] + (place / counts[piece])[:, None] * along[piece]
+        begins, targets, tools = self.points[ends], self.points[first], tool_directions(self.angles, machine)
+        ways = np.linalg.norm(targets - begins, axis=1)
+        near = np.flatnonzero(ways <= _NEAR * course.step)
+        row, met = pairs_within(
+            cKDTree(obstacles), (begins + targets)[near] / 2, ways[near] / 2 + _AROUND * course.step
+        )
+        row = near[row]
+        over = np.maximum(
+            np.einsum("kx,kx->k", obstacles[met] - begins[row], tools[ends[row]]),
+            np.einsum("kx,kx->k", obstacles[met] - targets[row], tools[first[row]]),
+        )
+        is_printed, found = piece[met] < first[row], np.zeros(len(course.runs))
+        np.maximum.at(found, 1 + row[is_printed], over[is_printed])
+        return found
 
 
 def _between(values, spans, shares):
@@ -324,9 +359,10 @@ def _header(course, machine, moves):
     """Comments that previews and printers read."""
     facts, whole = moves.facts, round(moves.facts["seconds"])
     hours, minutes, seconds = whole // 3600, whole // 60 % 60, whole % 60
+    layers = np.unique(course.levels if len(course.levels) else course.layers)
     return [
         "; made by Synch Fields",
-        f"; {len(course.runs)} beads on {len(np.unique(course.layers))} layers",
+        f"; {len(course.runs)} beads on {len(layers)} layers",
         f"; filament used [mm] = {facts['filament']:.2f}",
         f"; filament used [cm3] = {facts['volume'] / 1000:.3f}",
         f"; estimated printing time (normal mode) = {hours}h {minutes}m {seconds}s",

@@ -43,6 +43,21 @@ def layer_order(count, carried, carrying):
     return np.array(order, int)
 
 
+def count_levels(order, carried, carrying):
+    """(count,) how many layers are below each one; a layer that none carries is level with the one printed before it.
+
+    Parameters as those and the result of :func:`layer_order`.
+    """
+    below: dict[int, list[int]] = {}
+    for one, other in zip(carried.tolist(), carrying.tolist(), strict=True):
+        below.setdefault(one, []).append(other)
+    levels, done, last = np.zeros(len(order), int), np.zeros(len(order), bool), 0
+    for layer in order.tolist():
+        last = max((levels[other] + 1 for other in below.get(layer, []) if done[other]), default=last)
+        levels[layer], done[layer] = last, True
+    return levels
+
+
 def order_lines(lines, layers, order):
     """Lines in the order of their layers, each time the nearest next; closed ones begin, open ones end where it suits.
 

@@ -6,15 +6,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..errors import SettingError
 from ..extract.lines.isolines import Isolines
-from .coverage import BeadDistances, even_along, point_lengths
+from ..graphs import pairs_within, ragged_arange
+from .coverage import even_along, point_lengths
 from .flat import flat_below, is_flat
 from .gcode import GAP, INNER, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
-from .order import layer_order, order_lines
+from .order import count_levels, layer_order, order_lines
 from .reach import collisions, tilts, tool_axes
 
 KINDS = (WALL, INNER, GAP)
@@ -24,6 +26,8 @@ _ON_BED = 0.5
 _LEAN = 1.5
 # The tool meets what is higher above its tip than this, in spacings.
 _SLACK = 0.25
+# Points of overhangs that are looked at together.
+_BATCH = 8192
 # Less high than this, in spacings, a bead is not printed.
 _NO_HEIGHT = 0.02
 # Share of a bead that lies on another layer from which on that has to be there before.
@@ -38,6 +42,7 @@ class PrintPlan:
     ----------
     lines : Isolines over the triangles of the layers
     layers : (l,) the layer of each line
+    levels : (c,) how many layers lie below each layer, one on the other
     widths : (n,) at the lines' points
     below : Below
     down, up : (n,) how far the bead reaches below and above the layer: half way to the next layer, or to the end of the
@@ -57,6 +62,7 @@ class PrintPlan:
 
     lines: Isolines
     layers: np.ndarray
+    levels: np.ndarray
     widths: np.ndarray
     below: Below
     down: np.ndarray
@@ -101,7 +107,7 @@ class PrintPlan:
 
     @property
     def collided(self):
-        """(n,) bool"""
+        """(n,) bool, whether the tool meets something there."""
         return self.met >= 0
 
     @cached_property
@@ -140,6 +146,7 @@ class PrintPlan:
             self.layers[of],
             self.step * machine.scale,
             [KINDS[kind] for kind in self.kinds[of]],
+            self.levels[self.layers[of]],
         )
 
     def runs_of(self, chosen):
@@ -191,8 +198,9 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     down, up = (np.maximum(even_along(made, lengths * way, step), 0) for way in ways)
     met = collisions(places + up[:, None] * normals, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
     return PrintPlan(
-        made, layers, beads.widths[points], found, down, up, beads.kinds[chosen], volume, matrix,
-        machine, step, spacing, beads.covered, beads.covered_share, overhangs, met, lowest,
+        made, layers, count_levels(order, carried, carrying), beads.widths[points], found, down, up,
+        beads.kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met,
+        lowest,
     )  # fmt: skip
 
 
@@ -214,14 +222,15 @@ def _own_ways(below, above, areas, volume, spacing):
 
 
 def _leaning(points, following, ranks, asked, reach):
-    """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach; ranks ascend."""
-    result = np.zeros(len(points), bool)
-    for rank in np.unique(ranks[asked]):
-        before, here = np.searchsorted(ranks, rank), np.flatnonzero(asked & (ranks == rank))
-        if before:
-            flat = np.zeros(before, int)
-            lines = BeadDistances(points[:before], points[following[:before]], flat, 2 * reach)
-            result[here] = lines(points[here], np.zeros(len(here), int)) <= reach
+    """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach."""
+    result, here = np.zeros(len(points), bool), np.flatnonzero(asked)
+    counts = np.maximum(np.ceil(4 / reach * np.linalg.norm(points[following] - points, axis=1)).astype(int), 1)
+    piece, place = ragged_arange(counts)
+    ways = (points[following] - points)[piece]
+    tree = cKDTree(points[piece] + (place / counts[piece])[:, None] * ways)
+    for part in np.array_split(here, len(here) // _BATCH + 1):
+        which, other = pairs_within(tree, points[part], reach)
+        result[part[which[ranks[piece[other]] < ranks[part[which]]]]] = True
     return result
 
 

@@ -5,6 +5,9 @@ import numpy as np
 
 from .kinematics import to_part
 
+# Beads that are wider or higher than the last comment says by less, as a share, get no comment of their own; and
+# travels pass over what is higher than their ends by less, as a share of the bead's height.
+_LIKE, _LEVEL = 0.05, 0.05
 # Degrees that the table turns at most between places of a travel whose places are those of the tip on the part.
 _TURN = 5.0
 
@@ -19,10 +22,11 @@ class ProgramWriter:
         self._plain = "G94 " if self._is_timed else ""
         self._place, self._angles, self._is_home = np.zeros(3), np.zeros(len(self._letters)), True
         self._drawn, self._total, self._written = False, 0.0, 0.0
-        self._last_z = ""
+        self._last_z, self._kind, self._size = "", "", np.full(2, np.inf)
 
-    def travel(self, place, angles, top, is_same_layer, near, reach):
-        """To the begin of a bead: beside the last one, above it, or above all that is printed."""
+    def travel(self, place, angles, top, is_same_layer, near, reach, clearance):
+        """To the begin of a bead: beside the last one, above it and what reaches over it by a clearance, or above all
+        that is printed."""
         machine = self._machine
         if self._is_home:
             self._is_home = False
@@ -32,9 +36,10 @@ class ProgramWriter:
                     *self._rapid(place, angles)]  # fmt: skip
         distance = np.linalg.norm(place - self._place)
         turned = np.radians(np.abs(angles - self._angles).max(initial=0))
-        if is_same_layer and distance <= machine.hop and turned * reach < 0.5 * near:
+        is_level = clearance <= _LEVEL * self._size[1]
+        if is_same_layer and is_level and distance <= machine.hop and turned * reach < 0.5 * near:
             return self._rapid(place, angles)
-        up = np.array([0, 0, machine.lift])
+        up = np.array([0, 0, machine.lift + clearance])
         # A turn lets the tip leave the straight way by so much.
         is_far = not is_same_layer or distance > near or reach * turned**2 / 8 > machine.lift / 2
         rows = self._draw_back()
@@ -46,15 +51,21 @@ class ProgramWriter:
             rows += self._rapid(self._place + up, self._angles)
         return [*rows, *self._rapid(place + up, angles), *self._rapid(place, angles)]
 
-    def start(self):
-        """Filament that was drawn back comes again."""
-        return self._push()
+    def start(self, kind):
+        """What the bead is; filament that was drawn back comes again."""
+        rows = [] if kind == self._kind else [f";TYPE:{kind}"]
+        self._kind = kind
+        return [*rows, *self._push()]
 
-    def bead(self, places, angles, points, filament, feeds):
-        """Moves along a bead."""
+    def bead(self, places, angles, points, filament, feeds, sizes):
+        """Moves along a bead, and comments where its width and height change."""
         rows, shown = [], points if self._is_tcp else places
-        for place, turned, amount, feed in zip(shown.tolist(), angles.tolist(), filament.tolist(), feeds.tolist(),
-                                               strict=True):  # fmt: skip
+        for place, turned, amount, feed, size in zip(
+            shown.tolist(), angles.tolist(), filament.tolist(), feeds.tolist(), sizes, strict=True
+        ):
+            if (np.abs(size - self._size) > _LIKE * self._size).any() or np.isinf(self._size[0]):
+                self._size = size
+                rows += [f";WIDTH:{size[0]:.3f}", f";HEIGHT:{size[1]:.3f}"]
             words = self._words(place, turned)
             rows.append(f"{'G93 ' if self._is_timed else ''}G1 {words} {self._extruded(amount)} F{feed:.6g}")
         if len(places):

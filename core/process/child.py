@@ -18,7 +18,7 @@ from functools import partial
 from typing import Any, NoReturn, Protocol
 
 from ..threads import start_thread
-from .ipc import BrokenParcel, Unpacker, pack_parts
+from .ipc import BrokenParcel, Unpacker, read_chunks, send, take_pipes
 
 # Exit status of a process that exceeded its memory limit or could not allocate memory.
 TOO_MUCH_MEMORY = 77
@@ -44,35 +44,23 @@ def serve(limit: int) -> NoReturn:
     """Solve requests until the pipe is closed; the process may use ``limit`` bytes of memory."""
     if hasattr(os, "nice"):  # elsewhere the parent sets the priority
         os.nice(_NICE)
-    out, into = os.dup(1), os.dup(0)
-    os.dup2(2, 1)  # keep what libraries print out of the messages
-    # On Windows, libraries that query standard input while they are imported would wait for the thread that reads it.
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    into, out = take_pipes()
     chunks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    start_thread(_read, into, chunks)
+    start_thread(read_chunks, into, chunks)
     # Imported only now, while the parent can already write.
     from .. import tasks
 
     watch = _Watch(limit)
     start_thread(watch.run)
     tasks.load()
-    send = partial(_send, out)
-    send(("ready", tasks.versions()))
+    tell = partial(send, out)
+    tell(("ready", tasks.versions()))
     inbox = _Inbox(chunks)
     while True:
         request = inbox.request()
         watch.peak = 0
-        send(_answer(request, send, watch, inbox), request.shared)
+        tell(_answer(request, tell, watch, inbox), request.shared)
         del request  # frees it before the next one comes
-
-
-def _read(into: int, chunks: queue.SimpleQueue[bytes]) -> None:
-    """Put incoming bytes into a queue, and end the process when the pipe is closed."""
-    try:
-        while data := os.read(into, 1 << 20):
-            chunks.put(data)
-    finally:  # without a reader the process would wait for ever
-        os._exit(0)
 
 
 class _Inbox:
@@ -133,13 +121,6 @@ class _Watch:
         self.peak = max(self.peak, used)
         if used > self._limit:
             os._exit(TOO_MUCH_MEMORY)
-
-
-def _send(out: int, message: tuple[object, ...], shared: Sequence[object] = ()) -> None:
-    for part in pack_parts(message, shared):
-        rest = memoryview(part).cast("B")
-        while len(rest):
-            rest = rest[os.write(out, rest) :]
 
 
 def _answer(request: _Request, send: _Send, watch: _Watch, inbox: _Inbox) -> tuple[object, ...]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Messages between two processes: pickled objects, with their arrays sent separately through the pipe.
+"""Messages between a process and its children: pickled objects, with their arrays sent separately through the pipe.
 
 A parcel consists of a mark, the number of its parts, their sizes, and the parts, each padded to whole blocks: the
 pickle, then its arrays (pickle protocol 5), which are used in place. The other end is always a process that we started,
@@ -7,8 +7,12 @@ so that unpickling is safe.
 """
 
 import io
+import os
 import pickle
+import queue
 import struct
+import subprocess
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from itertools import accumulate
 from typing import Any
@@ -18,6 +22,8 @@ import numpy as np
 # Begins every parcel, and distinguishes it from other output on the same pipe.
 MARK = b"\x00synch parcel\x01\n\x00"
 _NUMBER = struct.Struct("<Q")
+# Bytes that are read at once, and most bytes that a parent reads before the first parcel.
+CHUNK, _MOST_NOISE = 1 << 20, 1 << 16
 # Alignment of arrays in bytes.
 _BLOCK = 64
 # Limits on the parts and bytes of a parcel, beyond which its head must be broken.
@@ -65,10 +71,14 @@ class _Unpickler(pickle.Unpickler):
 
 
 class Unpacker:
-    """Assembles parcels from incoming bytes; ``shared`` as of :func:`pack_parts`."""
+    """Assembles parcels from incoming bytes; ``shared`` as of :func:`pack_parts`.
 
-    def __init__(self, shared: Sequence[object] = ()) -> None:
+    ``after_noise`` skips what a process prints before its first parcel.
+    """
+
+    def __init__(self, shared: Sequence[object] = (), after_noise: bool = False) -> None:
         self.shared = shared
+        self._noise = b"" if after_noise else None
         self._head = bytearray()
         self._sizes: list[int] | None = None
         self._body, self._filled = np.empty(0, np.uint8), 0
@@ -80,12 +90,24 @@ class Unpacker:
 
     def feed(self, data: bytes | memoryview) -> list[Any]:
         """The messages that further bytes complete; BrokenParcel if they cannot be read."""
-        rest, messages = memoryview(data), []
+        rest, messages = memoryview(self._without_noise(data)), []
         while len(rest):
             rest = rest[self._take(rest) :]
             if self._sizes is not None and self._filled == len(self._body):
                 messages.append(self._unpack())
         return messages
+
+    def _without_noise(self, data: bytes | memoryview) -> bytes | memoryview:
+        if self._noise is None:
+            return data
+        self._noise += data
+        start, seen = self._noise.find(MARK), self._noise
+        if start >= 0:
+            self._noise = None
+            return seen[start:]
+        if len(seen) > _MOST_NOISE:
+            raise BrokenParcel("it does not begin as a message")
+        return b""
 
     def _take(self, data: memoryview) -> int:
         """Take bytes of one parcel; returns their number."""
@@ -135,6 +157,49 @@ class Unpacker:
             raise
         except Exception as error:  # broken bytes can raise anything here
             raise BrokenParcel(f"{type(error).__name__}: {error}") from error
+
+
+def take_pipes() -> tuple[int, int]:
+    """Descriptors of a child's standard input and output, for parcels alone: what libraries print goes to its standard
+    error, and they read nothing.
+
+    On Windows, libraries that query standard input while they are imported would wait for the thread that reads it.
+    """
+    into, out = os.dup(0), os.dup(1)
+    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    return into, out
+
+
+def read_chunks(into: int, chunks: "queue.SimpleQueue[bytes]", leave: Callable[[int], object] = os._exit) -> None:
+    """Put incoming bytes into a queue until the pipe is closed, then end the process with ``leave(0)``."""
+    try:
+        while data := os.read(into, CHUNK):
+            chunks.put(data)
+    finally:  # without a reader the process would wait for ever
+        leave(0)
+
+
+def send(out: int, message: object, shared: Sequence[object] = ()) -> None:
+    """Write a parcel, see :func:`pack_parts`."""
+    for part in pack_parts(message, shared):
+        rest = memoryview(part).cast("B")
+        while len(rest):
+            rest = rest[os.write(out, rest) :]
+
+
+def start_child(command: Sequence[str], variables: dict[str, str], is_low: bool = False) -> subprocess.Popen[bytes]:
+    """A child with unbuffered pipes, without a console, which does not receive its parent's Ctrl-C.
+
+    ``is_low`` lowers its priority on Windows; elsewhere it does so itself.
+    """
+    kind: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0, "env": variables}
+    if sys.platform == "win32":
+        kind["creationflags"] = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
+        kind["creationflags"] |= subprocess.BELOW_NORMAL_PRIORITY_CLASS if is_low else 0
+    else:
+        kind["process_group"] = 0  # in the parent's session: Linux lets no process go behind those of another
+    return subprocess.Popen(command, **kind)
 
 
 def _padded(size: int) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SettingError
+from ..geometry.mesh_input import ObjectMesh
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import welded_vertices
@@ -70,45 +71,22 @@ class BoundSurface:
     welded: int
 
 
-def refine(
-    vertices: ArrayLike,
-    starts: ArrayLike,
-    corner_vertices: ArrayLike,
-    edges: ArrayLike,
-    longest: float,
-    stretch: ArrayLike | None = None,
-    triangle_corners: np.ndarray | None = None,
-    axes: Sequence[int] = (),
-) -> BoundSurface:
+def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[int] = ()) -> BoundSurface:
     """Refine a mesh until no edge is longer than a limit, after joining boundary vertices at the same place.
 
     Faces without longer edges are kept. Faces without finite coordinates, triangles whose corners were joined, and
-    loose elements are left out.
+    loose elements are left out. Raises TooFineError if there would be too many triangles; AsymmetryError for a mesh
+    that is not its own mirror image.
 
     Parameters
     ----------
-    vertices : (n, 3) in the object's space
-    starts : (p,) first corner of each face
-    corner_vertices : (k,) vertex of each corner
     edges : (e, 2) vertices of the object's edges
     longest : longest edge in the measured space
-    stretch : (3, 3) scale of the measured space
-    triangle_corners : (t, 3) corners of the faces' triangles, face by face; by default each face is split from its
-        first corner, which suits convex faces only
     axes : 0, 1 or 2, in which the mesh is symmetric and the surface is to be
-
-    Raises
-    ------
-    TooFineError
-        if there would be too many triangles
-    AsymmetryError
-        for a mesh that is not its own mirror image
     """
-    vertices, starts = np.asarray(vertices, float), np.asarray(starts, int)
-    corner_vertices, edges = np.asarray(corner_vertices, int), np.asarray(edges, int).reshape(-1, 2)
-    places = vertices if stretch is None else vertices @ np.asarray(stretch).T
-    if triangle_corners is None:
-        triangle_corners = split_fans(starts, len(corner_vertices))
+    vertices, places, starts = read.vertices, read.places, read.polygons.starts
+    corner_vertices, triangle_corners = read.polygons.corner_vertices, read.polygons.triangle_corners
+    edges = np.asarray(edges, int).reshape(-1, 2)
     own = welded_vertices(places, corner_vertices[triangle_corners])
     joined = own[corner_vertices]
     usable = _find_usable(places, joined[triangle_corners])
@@ -148,15 +126,6 @@ def _divide_symmetrically(
     for reflection in reflections:
         division, parents = add_reflection(division, parents, reflection)
     return division, parents
-
-
-def split_fans(starts: np.ndarray, count: int) -> np.ndarray:
-    """Split each face from its first corner into triangles, (t, 3) corners, for ``count`` corners in all."""
-    sizes = np.diff(starts, append=count)
-    first = np.repeat(starts, np.maximum(sizes - 2, 0))
-    corners = np.arange(count)
-    second = corners[(corners > np.repeat(starts, sizes)) & (corners < np.repeat(starts + sizes - 1, sizes))]
-    return np.column_stack([first, second, second + 1])
 
 
 def _find_usable(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -1,16 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Automatic spacing of lines on a surface, and the edge length that a spacing needs."""
+"""The spacing of lines on a surface that settings ask for, automatic ones included, and the edges that it needs."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..fields.target_one_form import COARSE_SHARE
+from ..errors import SettingError
+from ..geometry.check import refuse_far_vertices
+from ..geometry.mesh_input import MeshInput, ObjectMesh
 from ..geometry.triangle_mesh import TriangleMesh
+from ..geometry.welding import welded_vertices
+from ..settings.surface import QUADS as QUAD_COMMANDS
+from ..settings.surface import SurfaceSettings
+from .bound_surface import BoundSurface, TooFineError, refine
 
+# The largest share of edges along which a phase may turn by more than half a period.
+COARSE_SHARE = 0.05
+# Spacings below this share of the object are too fine for phases in double precision.
+_FINEST = 1e-9
 # Automatic spacing: number of stripes or quads across the object, and least number of edges per period.
 LINES_ACROSS = 40
 EDGES_PER_PERIOD = 4
 FEWEST_LINES = 2
+# Faces that carry fewer lines than this across are replaced by a finer copy; edges may be longer than asked by SLACK.
+FEW_LINES = LINES_ACROSS // 3
+SLACK = 1.1
 # A mesh whose edges carry fewer quads than the first is solved on a finer copy, with about as many quads as the second;
 # stripes are as wide as quads.
 FEWEST_QUADS, QUADS = 50, 1500
@@ -80,3 +93,174 @@ def longest_edge(mesh: TriangleMesh, spacings: ArrayLike) -> float | None:
     few = (mesh.edge_lengths > limits).mean() <= COARSE_SHARE
     is_fine = few and mesh.areas[much_longer].sum() <= COARSE_SHARE * mesh.areas.sum()
     return None if is_fine else _MARGIN * EDGE_SHARE * float(np.quantile(at_vertices, COARSE_SHARE))
+
+
+def lines_in_period(command: str) -> int:
+    """A period has one stripe, and two quads."""
+    return 2 if command in QUAD_COMMANDS else 1
+
+
+def carries_few_lines(command: str, size: float, spacing: float) -> bool:
+    """Whether an automatic spacing gives so few lines across a size that a finer surface is worth it."""
+    return spacing > SLACK * lines_in_period(command) * size / FEW_LINES
+
+
+def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: float | np.ndarray = 1.0) -> bool:
+    """Whether faces carry the pattern asked for: their edges are short enough, and joined where they meet.
+
+    ``factors`` are one, or (n,) on the spacing. SettingError as of :func:`asked_spacings`.
+    """
+    uncut, mesh, spacing = given.uncut, given.mesh, settings.spacing
+    if spacing is None:
+        spacing = automatic_spacing(mesh, lines_in_period(command))
+        has_count = command == "quad_mesh" and settings.faces
+        if not has_count and carries_few_lines(command, _size(mesh), spacing):
+            return False
+    if _asked_edges(command, mesh, settings, spacing, factors)[2] is not None:
+        return False
+    if len(uncut.boundary_edges) == 0:
+        return True
+    return bool((welded_vertices(uncut.vertices, uncut.triangles) == np.arange(uncut.vertex_count)).all())
+
+
+def finer_copy(
+    command: str,
+    read: ObjectMesh,
+    edges: np.ndarray,
+    given: MeshInput,
+    settings: SurfaceSettings,
+    factors: float | np.ndarray = 1.0,
+) -> BoundSurface:
+    """The finer copy of a mesh that carries the pattern asked for; SettingError where it would have too many faces.
+
+    Parameters
+    ----------
+    read, edges : the object's mesh, and the (e, 2) vertices of its edges
+    given : the same, repaired
+    factors : on the spacing, one or (n,)
+    """
+    mesh, longest = given.mesh, None
+    spacing = settings.spacing or wished_spacing(mesh.areas.sum(), lines_in_period(command))
+    spacings: float | np.ndarray = spacing
+    if command != "directions":
+        spacing, spacings, longest = _asked_edges(command, mesh, settings, spacing, factors)
+    refuse_far_vertices(mesh)
+    axes = ["XYZ".index(axis) for axis in settings.mirror]
+    try:
+        return refine(read, edges, np.inf if longest is None else longest, axes)
+    except TooFineError as error:
+        factor = error.factor
+    if command != "quad_mesh" or not settings.faces:
+        raise SettingError(f"the spacing {spacing:g} is too fine for this mesh: use one from {factor * spacing:.3g} on")
+    fitting = faces_of_factor(mesh, spacings, factor)
+    if fitting < 1:
+        raise SettingError(
+            "parts of this mesh are too long and thin for quads: delete vertices that lie far out, or remesh it"
+        )
+    raise SettingError(f"{settings.faces} faces are too many for this mesh: ask for {fitting} at most")
+
+
+def _asked_edges(
+    command: str, mesh: TriangleMesh, settings: SurfaceSettings, spacing: float, factors: float | np.ndarray
+) -> tuple[float, float | np.ndarray, float | None]:
+    """What :func:`asked_spacings` and then :func:`longest_edge` return.
+
+    Far vertices are refused rather than a spacing that suits their distance.
+    """
+    try:
+        spacing, spacings = asked_spacings(command, mesh, settings, spacing, factors)
+        return spacing, spacings, longest_edge(mesh, spacings)
+    except SettingError:
+        refuse_far_vertices(mesh)
+        raise
+
+
+def asked_spacings(
+    command: str, mesh: TriangleMesh, settings: SurfaceSettings, spacing: float, factors: float | np.ndarray = 1.0
+) -> tuple[float, float | np.ndarray]:
+    """The spacing, and that times its map: for quads with an aspect (n, 2); both as the face count asks, if there is
+    one. SettingError for a spacing that does not fit the mesh."""
+    spacings = spacing * factors
+    if settings.symmetry == "cross" and settings.aspect != 1:
+        spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
+    if command == "quad_mesh" and settings.faces:
+        check_lengths(spacings)
+        factor = spacing_factor(mesh, spacings, settings.faces)
+        return factor * spacing, factor * spacings
+    check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacings)
+    return spacing, spacings
+
+
+def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") -> None:
+    """Refuse a spacing larger than the object, or too fine for double precision.
+
+    Parameters
+    ----------
+    places : (n, 3) vertices that the pattern is on
+    spacing : a length in their unit, or one at each vertex (and axis)
+    what : the spaced thing, for messages
+    """
+    spacing = check_lengths(spacing)
+    extent = np.linalg.norm(np.ptp(places, axis=0))
+    if spacing.min() > extent:
+        raise SettingError(
+            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no {what} would fit, reduce it"
+        )
+    if spacing.min() < _FINEST * extent:
+        raise SettingError(
+            f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
+            f"give one from {1.1 * _FINEST * extent:.2g} on"
+        )
+
+
+def check_lengths(spacing: ArrayLike) -> np.ndarray:
+    """Spacings, one or one at each vertex (and axis), as an array; refuses those that are not positive lengths."""
+    spacing = np.asarray(spacing, float)
+    bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
+    if len(bad):
+        where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
+        raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
+    return spacing
+
+
+def spacing_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
+    """The factor of spacings that gives about a number of quads on a flat surface.
+
+    It is large enough for the quads to reach from one end of each component to the other. Spacings are one number,
+    (n,), or (n, 2) or (1, 2) along two axes.
+    """
+    return float(max(_area_factor(mesh, spacings) / np.sqrt(faces), least_factor(mesh, spacings, faces)))
+
+
+def faces_of_factor(mesh: TriangleMesh, spacings: ArrayLike, factor: float) -> int:
+    """The number of quads for which :func:`spacing_factor` returns the given factor, rounded down."""
+    return int(max((_area_factor(mesh, spacings) / factor) ** 2, least_factor(mesh, spacings, 1) / factor))
+
+
+def _area_factor(mesh: TriangleMesh, spacings: ArrayLike) -> float:
+    """The factor with which one quad is as large as the surface."""
+    sides = np.broadcast_to(_along_axes(spacings), (mesh.vertex_count, 2)) / 2
+    return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum()))
+
+
+def least_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
+    """The factor with which so many quads in a row, corner to corner, are as long as the longest component of the mesh.
+
+    The area of a needle is too small to determine a spacing.
+    """
+    low, high = np.full((2, mesh.vertex_count, 3), np.inf)
+    np.minimum.at(low, mesh.pieces, mesh.vertices)
+    np.minimum.at(high, mesh.pieces, -mesh.vertices)
+    present = np.unique(mesh.pieces[mesh.triangles])
+    reach = (-high[present] - low[present]).max()
+    return float(reach / (np.sqrt(0.5) * np.asarray(spacings).max() * faces))
+
+
+def smallest_sides(mesh: TriangleMesh, spacings: ArrayLike) -> np.ndarray:
+    """(n,) the shorter side of a quad at each vertex; spacings as of :func:`spacing_factor`."""
+    return np.broadcast_to(_along_axes(spacings).min(axis=1) / 2, mesh.vertex_count)
+
+
+def _along_axes(spacings: ArrayLike) -> np.ndarray:
+    spacings = np.asarray(spacings, float)
+    return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)

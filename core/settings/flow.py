@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from numbers import Integral, Real
 
 from ..errors import SettingError, quote_value
@@ -11,6 +12,7 @@ from .setting import SHARE, SMALLEST, Choice, of_type, setting
 from .solver import SolverSettings
 
 VORTICES = ("clebsch",)
+_flow_setting = partial(setting, commands=VORTICES)
 # What a flow is called where no name is given.
 VELOCITY = "velocity"
 # Radius of the cores of curves in cells, and where tubes are shown.
@@ -26,27 +28,25 @@ _SHOWN = (
 class FlowSettings(SolverSettings):
     """Settings of the vortices of a flow, besides those of the solver."""
 
-    show: str = setting("filaments", "Show", "How vortices are shown", choices=_SHOWN, commands=VORTICES, group="flow")
-    resolution: int = setting(
+    show: str = _flow_setting("filaments", "Show", "How vortices are shown", choices=_SHOWN, group="flow")
+    resolution: int = _flow_setting(
         48,
         "Resolution",
         "Nodes of the grid along its longest side; a NumPy file has a grid of its own",
         least=2,
         most=10_000,
         usual=(8, 128),
-        commands=VORTICES,
         group="flow",
     )
-    share: float = setting(
+    share: float = _flow_setting(
         0.8,
         "Vorticity Carried",
         "The circulation of one filament is the largest with which they carry so much of the vorticity",
         unit=SHARE,
         least=0.1,
         most=0.99,
-        commands=VORTICES,
     )
-    count: float | None = setting(
+    count: float | None = _flow_setting(
         None,
         "Filaments",
         "So many through the plane with most vorticity",
@@ -54,10 +54,9 @@ class FlowSettings(SolverSettings):
         start=4.0,
         usual=(0.1, 32),
         unset="the share of the vorticity decides",
-        commands=VORTICES,
         placeholder="N",
     )
-    quantum: float | None = setting(
+    quantum: float | None = _flow_setting(
         None,
         "Circulation",
         "Of one filament, in the units of the velocity times length",
@@ -65,10 +64,9 @@ class FlowSettings(SolverSettings):
         start=1.0,
         usual=(1e-6, 100),
         unset="the number of filaments or the share of the vorticity decides",
-        commands=VORTICES,
         placeholder="H",
     )
-    core: float | None = setting(
+    core: float | None = _flow_setting(
         None,
         "Core",
         "Radius over which the vorticity of curves is spread, in cells; "
@@ -76,61 +74,51 @@ class FlowSettings(SolverSettings):
         least=SMALLEST,
         usual=(None, 6),
         unset="0.5, and 2 where tubes are shown",
-        commands=VORTICES,
         placeholder="CELLS",
     )
-    attribute: str = setting(
+    attribute: str = _flow_setting(
         VELOCITY,
         "Attribute",
         "Velocity on the vertices of the chosen mesh, which then shows the map itself, or grid of a volume",
-        commands=VORTICES,
         group="flow",
     )
-    point: tuple[float, float, float] | None = setting(
+    point: tuple[float, float, float] | None = _flow_setting(
         None,
         "Point",
         "Point of the sphere: filaments are where the map shows its antipode, tubes around that",
         unset="the filaments of least energy",
-        commands=VORTICES,
     )
-    opening: float = setting(
+    opening: float = _flow_setting(
         60.0,
         "Width",
         "How much of the sphere is inside a tube, degrees around the chosen point's antipode",
         least=SMALLEST,
         most=179.9,
         usual=(1, 179),
-        commands=VORTICES,
         placeholder="DEG",
     )
-    smoothing: int = setting(
+    smoothing: int = _flow_setting(
         5,
         "Smoothing",
         "How often points of filaments and tubes move to the middle of their neighbours",
         least=0,
         most=MOST_ROUNDS,
         usual=(None, 20),
-        commands=VORTICES,
     )
-    unwrapped: bool = setting(
+    unwrapped: bool = _flow_setting(
         False,
         "Unwrapped",
         "Draw filaments in one piece where they leave a periodic box, instead of in parts that lie in it",
-        commands=VORTICES,
         group="flow",
     )
-    frames: tuple[int, int] | None = setting(
+    frames: tuple[int, int] | None = _flow_setting(
         None,
         "Frames",
         "First and last frame of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
         unset="what the source shows now",
-        commands=VORTICES,
     )
-    strict: bool = setting(
-        False,
-        "Strict",
-        "Refuse meshes that are not a surface, instead of solving on a repaired copy",
-        commands=VORTICES,
+    strict: bool = _flow_setting(
+        False, "Strict", "Refuse meshes that are not a surface, instead of solving on a repaired copy"
     )
 
     def __post_init__(self) -> None:

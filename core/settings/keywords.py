@@ -6,7 +6,17 @@ from typing import TypedDict
 from .constraints import Constraint
 
 
-class SurfaceKeywords(TypedDict, total=False):
+class SolverKeywords(TypedDict, total=False):
+    """Keywords of :class:`core.settings.SolverSettings`."""
+
+    method: str
+    seed: int
+    rounding: str
+    target_gap: float
+    time_limit: float | None
+
+
+class SurfaceKeywords(SolverKeywords, total=False):
     """Keywords of :class:`core.settings.SurfaceSettings`."""
 
     symmetry: str
@@ -32,14 +42,9 @@ class SurfaceKeywords(TypedDict, total=False):
     surface: str
     assign_material: bool
     strict: bool
-    method: str
-    seed: int
-    rounding: str
-    target_gap: float
-    time_limit: float | None
 
 
-class LayerKeywords(TypedDict, total=False):
+class LayerKeywords(SolverKeywords, total=False):
     """Keywords of :class:`core.settings.LayerSettings`."""
 
     guidance: str
@@ -54,14 +59,9 @@ class LayerKeywords(TypedDict, total=False):
     largest_height: float
     numbers: str
     strict: bool
-    method: str
-    seed: int
-    rounding: str
-    target_gap: float
-    time_limit: float | None
 
 
-class FlowKeywords(TypedDict, total=False):
+class FlowKeywords(SolverKeywords, total=False):
     """Keywords of :class:`core.settings.FlowSettings`."""
 
     show: str
@@ -77,11 +77,6 @@ class FlowKeywords(TypedDict, total=False):
     unwrapped: bool
     frames: tuple[int, int] | None
     strict: bool
-    method: str
-    seed: int
-    rounding: str
-    target_gap: float
-    time_limit: float | None
 
 
 class LineKeywords(TypedDict, total=False):

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ..errors import SettingError
@@ -13,6 +14,7 @@ from .solver import SolverSettings
 from .surface import SPACING_MAP, SPACING_RANGE
 
 LAYERS = ("layers",)
+_layer_setting = partial(setting, commands=LAYERS)
 
 
 @dataclass(frozen=True)
@@ -171,21 +173,19 @@ def text_of_groups(groups: "tuple[Flush, ...] | list[Flush]") -> str:
 class LayerSettings(SolverSettings):
     """Settings of layers in a solid, besides those of the solver."""
 
-    guidance: str = setting(
+    guidance: str = _layer_setting(
         "axis:Z",
         "Guidance",
         f"What the layers follow, such as axis:Z or harmonic:Bottom:Top; kinds: {', '.join(LAYER_GUIDES)}",
-        commands=LAYERS,
         placeholder="KIND:NAME",
     )
-    groups: str = setting(
+    groups: str = _layer_setting(
         "",
         "Groups",
         "What is asked on vertex groups' faces or on the boundary, such as Top=layer,Bottom=constant",
-        commands=LAYERS,
         placeholder="NAME=WISH,...",
     )
-    spacing: float | None = setting(
+    spacing: float | None = _layer_setting(
         None,
         "Spacing",
         "Distance from one layer to the next; the object's scale counts",
@@ -194,10 +194,9 @@ class LayerSettings(SolverSettings):
         start=0.1,
         usual=(1e-4, None),
         unset="as many layers as the resolution carries, forty at most",
-        commands=LAYERS,
         group="layers",
     )
-    size: float | None = setting(
+    size: float | None = _layer_setting(
         None,
         "Resolution",
         "Longest edge of the tetrahedra that fill the object, at most half the spacing",
@@ -206,73 +205,57 @@ class LayerSettings(SolverSettings):
         start=0.05,
         usual=(1e-4, None),
         unset="about a hundred thousand tetrahedra, or more where the spacing needs them",
-        commands=LAYERS,
         group="layers",
     )
-    divisions: int | None = setting(
+    divisions: int | None = _layer_setting(
         None,
         "Divisions",
         "Layers in a period of the phase that is solved for: where layers end inside, as many end together",
         least=1,
         most=1000,
         unset="one, or as many as the tetrahedra need",
-        commands=LAYERS,
     )
-    spacing_map: str = setting(
+    spacing_map: str = _layer_setting(
         "",
         "Spacing Map",
         "Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
         **SPACING_MAP | {"group": "layers"},
-        commands=LAYERS,
     )
-    spacing_range: float = setting(
+    spacing_range: float = _layer_setting(
         2.0,
         "Range",
         "Factor on the spacing where the vertex group's weight is 1",
         **SPACING_RANGE | {"group": "layers"},
-        commands=LAYERS,
     )
-    branching: float = setting(
+    branching: float = _layer_setting(
         1.0,
         "Branching",
         "How much layers may branch to keep their distance: as much as even distances need, or at 0 hardly at all",
         unit=SHARE,
         least=0,
         most=1,
-        commands=LAYERS,
         group="layers",
     )
-    smallest_height: float = setting(
+    smallest_height: float = _layer_setting(
         0.0,
         "Smallest Height",
         "Of a layer: with limits they branch as little as keeps to these; 0 for none",
         unit=LENGTH,
         least=0,
-        commands=LAYERS,
         group="layers",
     )
-    largest_height: float = setting(
-        0.0,
-        "Largest Height",
-        "Of a layer, above the smallest one; 0 for none",
-        unit=LENGTH,
-        least=0,
-        commands=LAYERS,
-        group="layers",
+    largest_height: float = _layer_setting(
+        0.0, "Largest Height", "Of a layer, above the smallest one; 0 for none", unit=LENGTH, least=0, group="layers"
     )
-    numbers: str = setting(
+    numbers: str = _layer_setting(
         "pieces",
         "Numbers",
         "What counts as one layer: in the attribute, in files and where paths are ordered",
         choices=_NUMBERS,
-        commands=LAYERS,
         group="layers",
     )
-    strict: bool = setting(
-        False,
-        "Strict",
-        "Refuse meshes that are not a surface, instead of filling a repaired copy",
-        commands=LAYERS,
+    strict: bool = _layer_setting(
+        False, "Strict", "Refuse meshes that are not a surface, instead of filling a repaired copy"
     )
 
     def __post_init__(self) -> None:

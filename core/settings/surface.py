@@ -2,7 +2,8 @@
 """Settings of directions, stripes, quads and quad meshes on a surface."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -11,7 +12,7 @@ from ..validation import MOST_ROUNDS
 from .constraints import Constraint, from_plain
 from .guidance import GUIDES, Source, parse_guidance
 from .pins import parse_pins
-from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, setting
+from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, default_of, records, setting
 from .solver import SURFACES, SolverSettings
 
 # Commands with a pattern, and commands with quads.
@@ -240,6 +241,49 @@ class SurfaceSettings(SolverSettings):
         parse_guidance(self.guidance)
         parse_pins(self.pins or "")
 
+    def for_command(self, command: str) -> "SurfaceSettings":
+        """The settings that count for a command, with its own defaults; SettingError for what it cannot do."""
+        shares = {name: share for name, share in default_shares(command).items() if getattr(self, name) is None}
+        settings = replace(self, **shares)
+        if command == "directions":
+            return replace(settings, spacing=None, spacing_map="", branching=None)
+        if command not in QUADS:
+            if settings.symmetry == "cross":
+                raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+            return settings
+        for row in settings.all_constraints:
+            if row.where == "attribute" and row.what == "phase":
+                raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
+        return replace(settings, symmetry="cross")
+
+    def unheeded(self, command: str, is_turned: bool) -> Iterator[str]:
+        """Lines about settings that have no effect, or not the expected one, beside the others.
+
+        ``is_turned``: whether the angle or its map turns the directions.
+        """
+        rows, exact, taken = self.all_constraints, self.exact_attribute, "directions that an attribute gives are taken"
+        strength = f"give it a strength (attribute:{exact}=1)"
+        unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
+        if exact and unheard:
+            yield f"{taken} as they are, without {', '.join(unheard)}: {strength} where rows should turn them"
+        given = [row.label for row in rows if row.what == "phase" and row.where == "attribute"]
+        if given and self.symmetry == "line" and not exact:
+            yield (
+                f"phases of {', '.join(given)} are meant for the directions that they were written with: "
+                "guide by attribute:synch_direction without a strength"
+            )
+        striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
+        if is_turned and striped:
+            yield f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0"
+        if exact and self.mirror:
+            yield f"{taken} as they are, without the mirror: {strength} where they should be mirrored"
+        if exact and (self.singularities or 0.0) < default_shares(command)["singularities"]:
+            yield f"{taken} as they are, with all their singular points: {strength} where there should be fewer"
+        if exact and self.pins:
+            yield f"{taken} as they are, without the pins: give it a strength"
+        if is_turned and self.mirror:
+            yield "the angle turns directions the same way on both sides of the mirror: set it to 0"
+
     @property
     def all_constraints(self) -> tuple[Constraint, ...]:
         """The constraint list, with the constraint of the boundary."""
@@ -258,3 +302,9 @@ class SurfaceSettings(SolverSettings):
         """Name of the vector attribute whose directions are used exactly, or None."""
         exact = [source.name for source in self.sources if source.kind == "attribute" and source.strength is None]
         return exact[0] if exact and len(self.sources) == 1 else None
+
+
+def default_shares(command: str) -> dict[str, Any]:
+    """The shares of branches and of singular points that a command takes where none are given, by their names."""
+    variants = [name for name, record in records(SurfaceSettings) if record.variants]
+    return {name: default_of(SurfaceSettings, name, command) for name in variants}

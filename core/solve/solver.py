@@ -22,7 +22,7 @@ from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.diffusion import diffuse
-from .methods.initial_field import first_field, search_after_relaxation, search_without_relaxation
+from .methods.initial_field import descend_from, first_field, search_after_relaxation, search_without_relaxation
 from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import connection_bytes
 from .methods.spectral import smallest_eigenpair
@@ -50,6 +50,9 @@ def solve(
 ) -> Solution:
     """Find phases of low energy together with a lower bound.
 
+    Raises SettingError for an option out of range, or a start that does not fit; Cancelled when the callback cancels;
+    nothing has been changed. Both are in ``core.errors``.
+
     Parameters
     ----------
     callback : callable(stage, fraction), optional
@@ -61,13 +64,6 @@ def solve(
     show : callable(Solution), optional
         Called with preliminary solutions: a first field after a small part of the time, the same when its bound is
         known, and then each better one. The result is the same without it. For the method "sdp".
-
-    Raises
-    ------
-    SettingError
-        for an option out of range, or a start that does not fit
-    Cancelled
-        when the callback cancels; nothing has been changed. Both are in ``core.errors``
     """
     options = Options() if options is None else options
     check_options(options, problem, start)
@@ -309,13 +305,15 @@ def _solve_descent(task: _Task, workspace: Workspace) -> PartResult:
 
 
 def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
-    """The start, if any, otherwise the first field, or that of a search on a coarse stage."""
+    """The start, with COARSE after descent; without one the first field, or that of a search on a coarse stage."""
     options, monitor, timed_out = task.options, task.monitor, False
     with task.clock("first"):
         monitor.at("first field", 0.0)
         rank = start_rank(task.piece, True, options.target_gap)
         if task.start.column is not None:
             column = task.start.column
+            if options.method == COARSE:
+                column = descend_from(workspace, column, monitor)
         elif options.method == FIRST:
             column = first_field(workspace, rank, options.seed, monitor)
         else:

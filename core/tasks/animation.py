@@ -58,10 +58,12 @@ class FramesRequest:
         ask = None if progress is None else _name_frames(progress, number)
         if before is not None and not is_moved(before.field.mesh, request.given.mesh):  # other edges were cut
             before = None
-        field, pattern = (None, None) if before is None else (before.field, before.pattern)
+        of_field, of_pattern = portion(ask, 0.0, 0.4), portion(ask, 0.4, 0.6)
         try:
-            following = request.directed(portion(ask, 0.0, 0.4), field)
-            return request.along(following, portion(ask, 0.4, 0.6), pattern, self.hold)
+            if before is None:
+                return request.along(request.directed(of_field), of_pattern)
+            directions = request.directed(of_field, before.field)
+            return request.next_along(directions, before.pattern.phases, of_pattern, self.hold)
         except SynchError as error:
             raise in_frame(number, error) from None
 
@@ -109,7 +111,7 @@ def fresh(request: SurfaceRequest) -> SurfaceRequest:
     given = request.given
     uncut = TriangleMesh(given.uncut.vertices, given.uncut.triangles)
     mesh = uncut if given.mesh is given.uncut else TriangleMesh(given.mesh.vertices, given.mesh.triangles)
-    return replace(request, given=replace(given, mesh=mesh, uncut=uncut))
+    return request.on_mesh(replace(given, mesh=mesh, uncut=uncut))
 
 
 def _keep_shown(

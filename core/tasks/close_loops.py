@@ -104,7 +104,8 @@ class _Search:
         self._walks = MeshWalks(given.pattern.mesh)
         # The cost of a correction is a sum of squares, the energy half of one: the unit is twice the energy.
         self._unit, self._tries_left = unit, TRIES
-        self._budget = (request.loops / (1 - request.loops) if request.loops < 1 else np.inf) * unit
+        loops = request.settings.loops
+        self._budget = (loops / (1 - loops) if loops < 1 else np.inf) * unit
         self.best, self.fraction = given, 0.0
         self._offers = self._look(given)
 
@@ -187,8 +188,8 @@ class _Search:
         except SynchError:
             return None
         before = self._given.quads
-        faces = self._request.faces
-        wanted, near = (len(before.sizes), NEAR_COUNT) if faces is None else (faces, NEAR_ASKED)
+        faces = self._request.settings.faces
+        wanted, near = (len(before.sizes), NEAR_COUNT) if not faces else (faces, NEAR_ASKED)
         is_near = abs(len(quads.sizes) / wanted - 1) <= near
         is_regular = quads.is_irregular.sum() <= MORE_IRREGULAR * before.is_irregular.sum() + SPARE_IRREGULAR
         has_quads = (quads.sizes == 4).mean() >= (before.sizes == 4).mean()
@@ -197,4 +198,4 @@ class _Search:
 
 def _whole_quads(request: "SurfaceRequest", pattern: Pattern) -> QuadMesh:
     """The quad mesh of a pattern before smoothing."""
-    return replace(request, smoothing=0).finish(*request.trace(pattern))["quads"]
+    return request.smoothed(0).finish(*request.trace(pattern))["quads"]

@@ -2,25 +2,27 @@
 """Vortices of the frames of a sequence of flows, each solved from the frame before."""
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from ..errors import SettingError, name_elements
-from ..fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
-from ..fields.clebsch_frames import following_map, following_sphere
+from ..fields.clebsch import ClebschMap, SphericalMap, circulations, clebsch_map, quantum_for, spherical_map
+from ..fields.clebsch_frames import solve_next_map, solve_next_sphere
 from ..fields.quantum import find_quantum
-from ..files.flow_grids import SampledFlow
-from ..files.flows import ArrayFile, GridFlow
+from ..files.flow_grids import GridFlow, SampledFlow
+from ..files.flows import ArrayFile
 from ..files.volumes import VolumeFile
 from ..geometry.grid import Grid, box_grid
-from ..monitor import Monitor, portion
+from ..monitor import Callback, Monitor, portion
 from ..settings.flow import FlowSettings
 from ..solve import Options
 from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, showing
 
-# Bytes that the maps of a frame take for each node, and those that the maps of all frames may take.
+# Bytes of the maps of a frame for each node, and the most for the maps of all frames.
 _KEPT, _MOST_KEPT = 200, 2**30
 # Shares of the work: finding the grid of all frames, and the quantum.
 _GRID, _QUANTUM = 0.03, 0.07
@@ -28,13 +30,7 @@ _GRID, _QUANTUM = 0.03, 0.07
 
 @dataclass(frozen=True)
 class FrameFile:
-    """The file of one frame.
-
-    Attributes
-    ----------
-    frame : of the scene
-    source : what its flow is read from, anew each time, so that no frame is kept longer than it is needed
-    """
+    """A frame of the scene, and what its flow is read from, each time anew so that memory holds one frame."""
 
     frame: int
     source: ArrayFile | VolumeFile
@@ -42,19 +38,11 @@ class FrameFile:
 
 @dataclass(frozen=True)
 class FlowFrame:
-    """What a frame of a sequence shows.
-
-    Attributes
-    ----------
-    frame : of the scene
-    shown : Shown
-    facts : of the solve, for the report, by their names
-    result : FlowResult, of which every point of the sphere shows other vortices; None where frames are too many
-    """
+    """What a frame shows, the facts of its solve for the report, and its result, None where frames are too many."""
 
     frame: int
     shown: Shown
-    facts: dict
+    facts: dict[str, Any]
     result: FlowResult | None
 
 
@@ -64,11 +52,9 @@ class SequenceResult:
 
     Attributes
     ----------
-    grid : Grid of all frames
-    quantum : circulation of one filament in all of them
-    frames : FlowFrame of each
-    warnings : lines that the user should read, with the frames that they are of
-    seconds : none, as those of the frames are in their facts
+    grid, quantum : of all frames: the grid, and the circulation of one filament
+    warnings : lines that the user should read, with their frames
+    seconds : empty; those of the frames are in their facts
     """
 
     grid: Grid
@@ -80,66 +66,49 @@ class SequenceResult:
 
 @dataclass(frozen=True)
 class SequenceRequest:
-    """Vortices of each frame of a sequence.
-
-    Attributes
-    ----------
-    files : FrameFile of each frame
-    settings : FlowSettings
-
-    Raises
-    ------
-    SettingError
-        for a resolution that shows nothing, or a method that cannot go on from a frame
-    """
+    """Vortices of each frame of a sequence; SettingError for a resolution that shows none, or a method but "sdp"."""
 
     files: tuple[FrameFile, ...]
     settings: FlowSettings
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_resolution(self.settings.resolution)
         if self.settings.method != "sdp":
             raise SettingError("a frame starts from the relaxation of the one before: use the method sdp")
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[()]:
         """Nothing: the grid is known once all frames are read."""
         return ()
 
-    def solve(self, progress=None):
-        """The :class:`SequenceResult`, the circulation of a filament being the same in all frames.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SettingError
-            with one line that says what is wrong with a file
-        """
+    def solve(self, progress: Callback | None = None) -> SequenceResult:
+        """Solve all frames with the same circulation of a filament; errors as :meth:`FlowRequest.solve`."""
         monitor, count = Monitor(progress), len(self.files)
 
-        def reading(part, share):
+        def reading(part: float, share: float) -> Callable[[int], None]:
             return lambda number: monitor.at(f"reading frame {self.files[number].frame}", part + share * number / count)
 
-        grid = monitor.during(lambda: self._common_grid(reading(0.0, _GRID)))
+        grid = monitor.during(lambda: self._find_grid(reading(0.0, _GRID)))
         check_grid(grid, self.files[0].source.path)
         quantum = self.settings.quantum
         if quantum is None:
-            quantum = monitor.during(lambda: self._quantum(grid, reading(_GRID, _QUANTUM)))
+            quantum = monitor.during(lambda: self._find_quantum(grid, reading(_GRID, _QUANTUM)))
         frames: list[FlowFrame] = []
         warned: dict[str, list[int]] = {}
         found = sphere = None
         begin = _GRID + _QUANTUM
         for number, file in enumerate(self.files):
             part = portion(progress, begin + (1 - begin) * number / count, (1 - begin) / count)
-            found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _name_frames(part, file.frame))
+            found, sphere, warnings = self._solve_frame(
+                file, grid, quantum, found, sphere, _name_frames(part, file.frame)
+            )
             result = FlowResult(found, sphere, found, None).seeing(self.settings)
             monitor.at(f"frame {file.frame}, vortices", begin + (1 - begin) * (number + 0.95) / count)
             shown = monitor.during(partial(showing, result.seen, sphere, self.settings))
             is_kept = (number + 1) * grid.node_count * _KEPT <= _MOST_KEPT
             kept = replace(result.lean, shown=shown) if is_kept else None
             frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown), kept))
-            if shown.lines and shown.share < LEAST_SHARE:
+            if shown.lines and (shown.share or 0) < LEAST_SHARE:
                 carried = f"the filaments carry less than {LEAST_SHARE:.0%} of the vorticity"
                 warnings += (f"{carried}: give a smaller circulation or a finer grid",)
             for line in (*warnings, *shown.missing):
@@ -147,22 +116,30 @@ class SequenceRequest:
         lines = tuple(f"{name_elements('frame', named)}: {line}" for line, named in warned.items())
         return SequenceResult(grid, quantum, tuple(frames), lines)
 
-    def _solved(self, file, grid, quantum, found, sphere, progress):
+    def _solve_frame(
+        self,
+        file: FrameFile,
+        grid: Grid,
+        quantum: float,
+        found: ClebschMap | None,
+        sphere: SphericalMap | None,
+        progress: Callback | None,
+    ) -> tuple[ClebschMap, SphericalMap, tuple[str, ...]]:
         """The maps of a frame, from those of the frame before if there is one, and warnings of its flow."""
         flow, options = file.source.read(), Options.of(self.settings)
         warnings = (*flow.warnings, *about_noise(flow.noise))
         integrals = Monitor(progress).during(lambda: flow.integrals(grid))
         of_map, of_sphere = portion(progress, 0.0, 0.8), portion(progress, 0.8, 0.15)
-        if found is None:
+        if found is None or sphere is None:
             found = clebsch_map(grid, integrals, quantum, options, of_map)
             return found, spherical_map(found, of_sphere), warnings
-        found = following_map(found, integrals, options, of_map)
-        return found, following_sphere(sphere, found, of_sphere), warnings
+        found = solve_next_map(found, integrals, options, of_map)
+        return found, solve_next_sphere(sphere, found, of_sphere), warnings
 
-    def _common_grid(self, step):
-        """A grid that holds the flow of every frame; ``step`` is called with the number of each file before it is read.
+    def _find_grid(self, step: Callable[[int], None]) -> Grid:
+        """A grid that holds the flow of every frame; SettingError where files have grids that differ.
 
-        SettingError where files hold grids of their own that differ.
+        ``step`` is called with the number of each file before it is read.
         """
         low, high, fixed = np.full(3, np.inf), np.full(3, -np.inf), None
         for number, file in enumerate(self.files):
@@ -182,8 +159,8 @@ class SequenceRequest:
                 low, high = np.minimum(low, lowest), np.maximum(high, highest)
         return fixed or box_grid(low, high, self.settings.resolution)
 
-    def _quantum(self, grid, step):
-        """That of the frame with most vorticity."""
+    def _find_quantum(self, grid: Grid, step: Callable[[int], None]) -> float:
+        """The circulation of a filament, from the frame with most vorticity."""
         largest, most = 0.0, None
         for number, file in enumerate(self.files):
             step(number)
@@ -195,18 +172,18 @@ class SequenceRequest:
         return find_quantum(grid, most, self.settings.share, self.settings.count, None, self.settings.seed)
 
 
-def _is_same(grid, other):
+def _is_same(grid: Grid, other: Grid) -> bool:
     places = [(one.shape, one.periodic, *one.spacing, *one.origin) for one in (grid, other)]
     return places[0] == places[1] and bool((grid.solid == other.solid).all())
 
 
-def _name_frames(progress, frame):
+def _name_frames(progress: Callback | None, frame: int) -> Callback | None:
     if progress is None:
         return None
     return lambda stage, fraction: progress(f"frame {frame}, {stage}", fraction)
 
 
-def _facts(file, found, shown):
+def _facts(file: FrameFile, found: ClebschMap, shown: Shown) -> dict[str, Any]:
     solution = replace(found.solution, energy=found.energy)
     return {
         "frame": file.frame,

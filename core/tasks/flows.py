@@ -3,7 +3,9 @@
 
 import dataclasses
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from numbers import Integral
 
 import numpy as np
@@ -26,48 +28,50 @@ from ..fields.clebsch import (
 from ..fields.quantum import STEP, find_quantum, least_quantum, shows_enough
 from ..files.flows import ArrayFile
 from ..files.volumes import VolumeFile
+from ..geometry import TriangleMesh
+from ..geometry.grid import Grid
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
-from ..monitor import Monitor, portion
+from ..monitor import Callback, Monitor, Result, portion
 from ..settings.flow import FlowSettings
 from ..solution import COARSE
 from ..solve import Options
 
-# Radius of a filament's tube, and of the cores of curves that tubes can be around, in cells of the grid.
+# Radius of a filament's tube, and the least of the cores of curves that tubes can surround, in cells of the grid.
 _THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
-# Faces that a filament's circulation is spread over from which on tubes have an inside; with two cells it has 37.
+# Faces over which a filament's circulation has to be spread for tubes to have an inside; a core of two cells has 37.
 _FACES_OF_TUBES = 20.0
-# Cells that a filament has to extend over.
+# Filaments that extend over fewer cells are left out.
 _STUB = 2.0
-# Sampling noise from which on vorticity is not resolved, and from which on there is none.
+# Sampling noise above which vorticity is not resolved, and above which there is none.
 _NOISE, _IRROTATIONAL = 0.8, 2.0
-# Share of the vorticity below which filaments are warned of, how far that of a solve may be below the wanted one, and
-# solves with smaller circulations that are made where it is.
+# Least share of the vorticity that filaments carry without a warning, how far the share of a solve may be below the
+# wanted one, and how many solves with smaller circulations follow where it is further below.
 LEAST_SHARE, _SHORTFALL, _MORE_SOLVES = 0.6, 0.1, 2
-# Filaments that pass a face on average, from which on there is a warning.
+# Mean number of filaments through a face above which there is a warning.
 _MANY_QUANTA = 0.25
-# Nodes from which on fields are searched for on a coarse stage: in half the time, with some per mille more energy.
+# Nodes above which fields are searched for on a coarse stage: half the time, energies larger by some per mille.
 _COARSE_ROUNDING = 60_000
-# Seconds that a solve takes for each node, about, on one core: up to so many nodes, and beyond.
+# Approximate seconds of a solve for each node, on one core: up to so many nodes, and beyond.
 _NODE_SECONDS, _LARGE_NODE_SECONDS = 3e-4, 1.5e-4
-# Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
-# most nodes, 47 GB.
+# Bytes of a solve for each node with a proved bound, which is tried up to so many nodes, and without; and the most
+# nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
 
 
-def solve_memory(nodes):
-    """Bytes that a solve takes at its peak, measured on 24^3 to 64^3 nodes."""
+def solve_memory(nodes: int) -> int:
+    """The peak memory of a solve in bytes, measured on 24^3 to 64^3 nodes."""
     return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
 
 
-def check_resolution(resolution):
-    """Refuse a resolution that nothing can be seen at."""
+def check_resolution(resolution: object) -> None:
+    """Refuse a resolution that shows no vortex."""
     if not isinstance(resolution, Integral) or resolution < 8:
         raise SettingError(f"a resolution of {resolution!r} nodes shows no vortex: give a whole number from 8 on")
 
 
-def check_grid(grid, name):
-    """Refuse the grid of a source if it lies in a plane, or if no usual machine can hold a solve of it."""
+def check_grid(grid: Grid, name: object) -> None:
+    """Refuse a grid in a plane, and one whose solve no usual machine can hold; ``name`` is of the source."""
     if grid.dimension != 3:
         raise SettingError(f"{name}: a flow in a plane has no filaments to show: give one in space")
     if grid.node_count > _MOST_NODES:
@@ -83,12 +87,11 @@ class Shown:
 
     Attributes
     ----------
-    lines : list of Filament, or None where they are not asked for
-    tubes : Tubes, or None
+    lines, tubes : None where they are not asked for
     quantum : circulation of one filament
     thickness : radius of one, in scene units
-    unwrapped : whether filaments are drawn on beyond the sides of a periodic box
-    stubs : filaments that are left out, as they extend over less than two cells
+    unwrapped : whether filaments are drawn in one piece where they leave a periodic box
+    stubs : number of filaments that are left out because they extend over less than two cells
     """
 
     lines: list[Filament] | None
@@ -99,13 +102,13 @@ class Shown:
     stubs: int = 0
 
     @property
-    def share(self):
-        """What of the vorticity the filaments carry; None where they are not asked for."""
+    def share(self) -> float | None:
+        """The share of the vorticity that the filaments carry; None where they are not asked for."""
         return None if self.lines is None else sum(line.share for line in self.lines)
 
     @property
-    def missing(self):
-        """Lines that say what the map shows nothing of, and the remedy."""
+    def missing(self) -> tuple[str, ...]:
+        """Lines that say what the map does not show, and the remedy."""
         remedy, lines = "ask for more filaments, or a smaller circulation of each", []
         if self.lines == []:
             lines.append(f"the map has no filaments: {remedy}")
@@ -122,17 +125,17 @@ class Shown:
         return tuple(lines)
 
 
-def showing(found, sphere, settings):
-    """The :class:`Shown` that settings ask for; the sphere may be missing where there are only filaments."""
-    lines, tubes, stubs = None, None, 0
+def showing(found: ClebschMap, sphere: SphericalMap | None, settings: FlowSettings) -> Shown:
+    """The :class:`Shown` that settings ask for; filaments do not need the sphere."""
+    grid, lines, tubes, stubs = found.regular_grid, None, None, 0
     if settings.show != "tubes":
         every = filaments(found, settings.smoothing)
-        least = _STUB * found.grid.spacing.max()
+        least = _STUB * grid.spacing.max()
         lines = [line for line in every if np.ptp(line.whole, axis=0).max() >= least]
         stubs = len(every) - len(lines)
-    if settings.show != "filaments":
+    if settings.show != "filaments" and sphere is not None:
         tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)
-    thickness = _THICKNESS * float(found.grid.spacing.min())
+    thickness = _THICKNESS * float(grid.spacing.min())
     return Shown(lines, tubes, found.quantum, thickness, settings.unwrapped, stubs)
 
 
@@ -142,13 +145,13 @@ class FlowResult:
 
     Attributes
     ----------
-    found : ClebschMap, the best
-    sphere : SphericalMap, None for methods without a relaxation
-    seen : ClebschMap whose vortices are shown
-    shown : Shown, None on surfaces, which show the map itself
-    linked : Linked, how the filaments of the solve wind; None where they are not shown, or too many
+    found : the map of least energy
+    sphere : None for methods without a relaxation
+    seen : the map whose vortices are shown
+    shown : None on surfaces, which show the map itself
+    linked : None where filaments are not shown, or are too many
     warnings : lines that the user should read
-    seconds : that the map to the sphere took
+    seconds : of parts of the work, by their names
     """
 
     found: ClebschMap
@@ -160,10 +163,17 @@ class FlowResult:
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @classmethod
-    def of(cls, grid, integrals, settings, progress, largest=None):
-        """The maps of a flow, by its (e,) integrals along the edges of a Grid or Surface; nothing is shown yet.
+    def of(
+        cls,
+        grid: Grid | Surface,
+        integrals: np.ndarray,
+        settings: FlowSettings,
+        progress: Callback | None,
+        largest: float | None = None,
+    ) -> "FlowResult":
+        """The maps of a flow with (e,) integrals along the edges; nothing is shown yet.
 
-        ``largest`` is the circulation that is tried first where one is looked for.
+        ``largest`` is the circulation to try first where one is searched for.
         """
         quantum, options = settings.quantum, Options.of(settings)
         if len(grid.masses) > _COARSE_ROUNDING and options.rounding == FlowSettings.rounding:
@@ -182,21 +192,21 @@ class FlowResult:
         sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
         return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
 
-    def seeing(self, settings):
-        """The map that the settings' point of the sphere gives, the best one for None."""
+    def seeing(self, settings: FlowSettings) -> "FlowResult":
+        """The result seen from the settings' point of the sphere; None is the map of least energy."""
         if settings.point is None or self.sphere is None:
             return replace(self, seen=self.found)
         return replace(self, seen=self.sphere.seen_from(settings.point))
 
     @property
-    def lean(self):
-        """The same with maps that are there to be seen, at some 200 bytes a node."""
+    def lean(self) -> "FlowResult":
+        """The result without what only solves need: some 200 bytes a node."""
         found = self.found.lean
         sphere = None if self.sphere is None else replace(self.sphere, found=found)
         return replace(self, found=found, sphere=sphere, seen=found.showing(self.seen.phases))
 
-    def again(self, settings):
-        """What another point, width or smoothing shows of the same solve."""
+    def again(self, settings: FlowSettings) -> "FlowResult":
+        """The same solve shown with another point, width or smoothing."""
         other = self.seeing(settings)
         if self.shown is None:
             return other
@@ -205,57 +215,38 @@ class FlowResult:
 
 @dataclass(frozen=True)
 class FlowRequest:
-    """Vortices of a flow in space.
-
-    Attributes
-    ----------
-    source : what the flow is read from
-    settings : FlowSettings
-
-    Raises
-    ------
-    SettingError
-        for a resolution that shows nothing
-    """
+    """Vortices of a flow in space; SettingError for a resolution that shows none."""
 
     source: ArrayFile | VolumeFile | FilamentCurves
     settings: FlowSettings
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_resolution(self.settings.resolution)
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[()]:
         """Nothing: the grid is known once the flow is read."""
         return ()
 
-    def solve(self, progress=None):
-        """The :class:`FlowResult`.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SettingError
-            with one line that says what is wrong with the source
-        """
+    def solve(self, progress: Callback | None = None) -> FlowResult:
+        """Read, solve and extract; SettingError for an unusable source, Cancelled when ``progress`` returns False."""
         settings = self.settings
-        grid, integrals, warnings = _interruptible(self._read, "flow", progress)
+        grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
         each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
-        progress = _with_estimate(progress, each * grid.node_count)
+        progress = _estimate_seconds(progress, each * grid.node_count)
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest)
-        shown = _interruptible(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
+        shown = _run_interruptibly(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
         winding = None
         if shown.lines is not None:
             box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
-            winding = _interruptible(lambda: linking_numbers(shown.lines, box), "vortices", progress, 0.98)
+            winding = _run_interruptibly(partial(linking_numbers, shown.lines, box), "vortices", progress, 0.98)
             warnings += tuple(self._about_share(result.found, shown, portion(progress, 0.9, 0.1)))
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
 
-    def _about_core(self, found):
-        """A line where cores are too thin for tubes: those of curves are known, others are looked for in the flow."""
+    def _about_core(self, found: ClebschMap) -> Iterator[str]:
+        """A warning where cores are too thin for tubes: those of curves are known, others are measured in the flow."""
         if self.settings.show == "filaments":
             return
         cells, remedy = self.settings.core_cells, "or show filaments, whose tubes have one thickness"
@@ -273,12 +264,12 @@ class FlowRequest:
                 f"from about {_FACES_OF_TUBES:g} on: give a finer grid, {remedy}"
             )
 
-    def _about_share(self, found, shown, progress):
-        """A line where the filaments carry little of the vorticity, with a circulation that this solve carries more
-        with, if there is one."""
-        if not found.vorticity or shown.share >= LEAST_SHARE:
+    def _about_share(self, found: ClebschMap, shown: Shown, progress: Callback | None) -> Iterator[str]:
+        """A warning where the filaments carry little of the vorticity, with a circulation that carries more, if any."""
+        share = shown.share
+        if not found.vorticity or share is None or share >= LEAST_SHARE:
             return
-        line, smaller = f"the filaments carry {max(shown.share, 0):.0%} of the vorticity", STEP * found.quantum
+        line, smaller = f"the filaments carry {max(share, 0):.0%} of the vorticity", STEP * found.quantum
         if self.settings.quantum is not None or self.settings.count is not None:
             sought = FlowSettings.share, None, None, self.settings.seed, portion(progress, 0.0, 0.2)
             smaller = min(smaller, find_quantum(found.grid, found.integrals, *sought))
@@ -287,28 +278,28 @@ class FlowRequest:
             return
         smaller = float(f"{smaller:.3g}")
         other = clebsch_map(found.grid, found.integrals, smaller, found.options, portion(progress, 0.2, 0.8))
-        if (other.vorticity_share or 0) > shown.share:
+        if (other.vorticity_share or 0) > share:
             yield f"{line}: with a circulation of {smaller:.3g} they carry {other.vorticity_share:.0%}"
         else:
             yield f"{line}, and with a circulation of {smaller:.3g} not more: give a finer grid, or show tubes"
 
-    def _read(self):
+    def _read(self) -> tuple[Grid, np.ndarray, tuple[str, ...]]:
         flow = self.source.read()
         grid = flow.grid(self.settings.resolution)
         check_grid(grid, self.source.name)
         return grid, flow.integrals(grid), (*flow.warnings, *about_noise(flow.noise))
 
 
-def about_noise(noise):
-    """A line where the vorticity is not that of a flow."""
+def about_noise(noise: float | None) -> Iterator[str]:
+    """A warning where the vorticity is not that of a flow."""
     if noise is not None and noise > _IRROTATIONAL:
         yield "the flow has no vorticity but for what its sampling makes: its vortices mean nothing, give another flow"
     elif noise is not None and noise > _NOISE:
         yield "the velocities change at random from node to node: the vortices are those of noise, smooth the flow"
 
 
-def _about_quantum(found):
-    """A line where so many filaments pass the faces that the phase can hardly tell them apart."""
+def _about_quantum(found: ClebschMap) -> Iterator[str]:
+    """A warning where so many filaments pass the faces that the phase hardly tells them apart."""
     mean = mean_circulation(found.grid, found.integrals) / found.quantum
     if mean > _MANY_QUANTA:
         yield (
@@ -317,21 +308,23 @@ def _about_quantum(found):
         )
 
 
-def _with_estimate(progress, seconds):
-    """A callback whose stages say about how many seconds are left, from the number that a solve usually takes."""
+def _estimate_seconds(progress: Callback | None, seconds: float) -> Callback | None:
+    """A callback whose stages add the seconds left, from the usual seconds of a solve."""
     if progress is None:
         return None
     begin = time.perf_counter()
 
-    def told(stage, fraction):
+    def estimating(stage: str, fraction: float) -> bool | None:
         left = seconds - (time.perf_counter() - begin)
         return progress(f"{stage}, about {left:.0f} s left" if left >= 1 else stage, fraction)
 
-    return told
+    return estimating
 
 
-def _interruptible(work, stage, progress, fraction=0.0):
-    """The result of work that asks nobody whether it should stop; it is left behind when it should."""
+def _run_interruptibly(
+    work: Callable[[], Result], stage: str, progress: Callback | None, fraction: float = 0.0
+) -> Result:
+    """The result of work that does not check for cancellation itself."""
     monitor = Monitor(progress)
     monitor.at(stage, fraction)
     return monitor.during(work)
@@ -339,25 +332,18 @@ def _interruptible(work, stage, progress, fraction=0.0):
 
 @dataclass(frozen=True)
 class SurfaceFlowRequest:
-    """The map and the vortices of a flow on a surface.
-
-    Attributes
-    ----------
-    given : the mesh
-    velocity : (n, 3) at its vertices, of which the tangential part counts
-    settings : FlowSettings
-    """
+    """The vortices of a flow on a surface: (n, 3) velocities at its vertices, whose tangential part counts."""
 
     given: MeshInput
     velocity: np.ndarray
     settings: FlowSettings
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh]:
         """The mesh that the map is on."""
         return (self.given.mesh,)
 
-    def solve(self, progress=None):
+    def solve(self, progress: Callback | None = None) -> FlowResult:
         """The :class:`FlowResult`; errors as :meth:`FlowRequest.solve`."""
         surface = Surface(self.given.mesh, self.given.seam)
         return FlowResult.of(surface, edge_integrals(surface, self.velocity), self.settings, progress)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is made of solved layers: paths for a tool, and a grid of the pattern."""
+"""Paths for a tool on solved layers, and the pattern on a regular grid."""
 
 import math
 from dataclasses import dataclass, field
@@ -11,10 +11,11 @@ from ..extract.layers.defect_curves import DefectCurve
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.layers.voxels import points_inside
 from ..fields.layers import LayerPattern
+from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
-from ..monitor import Monitor
-from ..printing.beads import contour_beads, plane_beads
+from ..monitor import Callback, Monitor
+from ..printing.beads import Beads, contour_beads, plane_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
 from ..validation import check_choice, convert_value
@@ -32,17 +33,16 @@ class PathSettings:
 
     Attributes
     ----------
-    step : distance between two, in scene units; None for the machine's bore, or the mean spacing of the layers
-    fill : "contour", one inside the other from the rim inwards, the first half a step from it, and along the middle
-        of what they leave; or in planes across an axis of the object, a step apart, "across-x" ...
-    machine : Machine that prints them
+    step : distance between paths in scene units; None for the machine's bore, or the mean spacing of the layers
+    fill : "contour" for paths inside one another, the first half a step from the rim, and one along the middle of the
+        remaining space; "across-x" and so on for paths in planes across an axis of the object, a step apart
     """
 
     step: float | None = None
     fill: str = "contour"
     machine: Machine = field(default_factory=Machine)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         convert_value("fill", str, self.fill)
         check_choice(self, "fill", FILLS)
         if self.step is not None and not 0 < convert_value("step", float, self.step) < math.inf:
@@ -55,11 +55,10 @@ class Layering:
 
     Attributes
     ----------
-    pattern : LayerPattern, whose mesh is the solid in scene units, along the object's axes: its scale has been applied,
-        its place and turn have not
-    surfaces : LayerSurfaces in the solid's space
-    curves : DefectCurves in the solid's space
-    matrix : (4, 4) from the solid's space to the world: the place, turn and mirroring of the object, without its scale
+    pattern : its mesh is the solid in scene units, along the object's axes: with the object's scale, without its place
+        and turn
+    surfaces, curves : in the solid's space
+    matrix : (4, 4) from the solid's space to the world: the place, turn and mirroring of the object
     """
 
     pattern: LayerPattern
@@ -68,42 +67,31 @@ class Layering:
     matrix: np.ndarray
 
     @property
-    def solid(self):
-        """The TetMesh."""
+    def solid(self) -> TetMesh:
         return self.pattern.mesh
 
     @property
-    def spacing(self):
-        """Mean distance of the layers; the solid's diagonal where no two of them follow one another."""
+    def spacing(self) -> float:
+        """Mean distance of the layers; the solid's diagonal where there is no distance to measure."""
         mean = float(self.pattern.spacings.mean)
         return mean if math.isfinite(mean) else float(np.linalg.norm(np.ptp(self.solid.vertices, axis=0)))
 
-    def paths(self, settings):
-        """The :class:`PathsRequest` of :class:`PathSettings`."""
+    def paths(self, settings: PathSettings) -> "PathsRequest":
+        """The request for paths with these settings."""
         step = settings.step
         if step is None:
             machine = settings.machine
             step = machine.bore / machine.scale if machine.bore else self.spacing
         return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
-    def voxels(self, resolution):
-        """The :class:`VoxelsRequest` of so many voxels along the longest side; too many in all are refused."""
+    def voxels(self, resolution: int) -> "VoxelsRequest":
+        """The request for a grid with so many voxels along its longest side."""
         return VoxelsRequest(self.solid, self.pattern.tet_phases, resolution)
 
 
 @dataclass(frozen=True)
 class PathsRequest:
-    """Paths that are asked for.
-
-    Attributes
-    ----------
-    surfaces : LayerSurfaces
-    solid : TetMesh
-    matrix : (4, 4) from the solid's space to the world
-    step : between paths, in scene units
-    spacing : mean distance of the layers
-    settings : PathSettings
-    """
+    """Paths to make, ``step`` apart in scene units; arrays as in :class:`Layering`."""
 
     surfaces: LayerSurfaces
     solid: TetMesh
@@ -113,80 +101,60 @@ class PathsRequest:
     settings: PathSettings
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh]:
         """The mesh of the layers, which the paths are on."""
         return (self.surfaces.mesh,)
 
-    def solve(self, progress=None):
-        """The :class:`PrintPlan`.
-
-        Raises
-        ------
-        SettingError
-            where the step is wider than every layer, or makes more points than there may be
-        Cancelled
-            when the progress is answered with False
-        """
+    def solve(self, progress: Callback | None = None) -> PrintPlan:
+        """Plan the print; SettingError for a step that is wider than every layer or makes too many points, Cancelled
+        when ``progress`` returns False."""
         monitor = Monitor(progress)
         monitor.at("tool paths", 0.0)
-        beads = monitor.during(self._beads)
+        beads = monitor.during(self._make_beads)
         if len(beads.lines.sizes) == 0:
             raise SettingError(f"no path of the step {self.step:g} fits on a layer: reduce it")
         monitor.at("order and reach", 0.5)
-        return monitor.during(lambda: self._planned(beads))
+        return monitor.during(lambda: self._plan(beads))
 
-    def _beads(self):
+    def _make_beads(self) -> Beads:
         fill = self.settings.fill
         if fill == "contour":
             return contour_beads(self.surfaces, self.step)
         return plane_beads(self.surfaces, self.surfaces.vertices[:, "xyz".index(fill[-1])], self.step)
 
-    def _planned(self, beads) -> PrintPlan:
+    def _plan(self, beads: Beads) -> PrintPlan:
         machine = self.settings.machine
         return print_plan(self.surfaces, self.solid, beads, self.matrix, machine, self.step, self.spacing)
 
 
 @dataclass(frozen=True)
 class VoxelsRequest:
-    """A grid of the pattern that is asked for; a resolution that makes too many voxels is refused.
-
-    Attributes
-    ----------
-    solid : TetMesh
-    phases : TetPhases in it
-    resolution : voxels along the longest side
-    """
+    """A grid of the pattern to make; SettingError for a resolution that makes too many voxels."""
 
     solid: TetMesh
     phases: TetPhases
     resolution: int
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         count = self._layout[1].prod(dtype=float)
         if count > MOST_VOXELS:
             raise SettingError(
                 f"a resolution of {self.resolution} makes {count:.1e} voxels, and {MOST_VOXELS:.0e} is the most: "
-                f"reduce it to {self._fitting}"
+                f"reduce it to {self._largest_resolution}"
             )
 
     @property
-    def shared(self):
-        """Nothing."""
+    def shared(self) -> tuple[()]:
+        """Nothing: all of it is sent."""
         return ()
 
-    def solve(self, progress=None):
-        """The :class:`Voxels`.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        """
+    def solve(self, progress: Callback | None = None) -> "Voxels":
+        """Evaluate the pattern; Cancelled when ``progress`` returns False."""
         monitor = Monitor(progress)
         monitor.at("voxels", 0.0)
-        return monitor.during(self._sampled)
+        return monitor.during(self._sample)
 
-    def _sampled(self):
+    def _sample(self) -> "Voxels":
         step, counts = self._layout
         low, extents = self.solid.vertices.min(axis=0), np.ptp(self.solid.vertices, axis=0)
         origin = low + (extents - step * (counts - 1)) / 2
@@ -197,13 +165,13 @@ class VoxelsRequest:
         return Voxels(values, origin, step)
 
     @property
-    def _layout(self):
-        """Size of the voxels, and (3,) how many there are along each axis."""
+    def _layout(self) -> tuple[float, np.ndarray]:
+        """Size of the voxels, and (3,) their number along each axis."""
         return _grid(np.ptp(self.solid.vertices, axis=0), self.resolution)
 
     @property
-    def _fitting(self):
-        """A resolution not much below the largest that makes no more voxels than the most."""
+    def _largest_resolution(self) -> int:
+        """A resolution that is allowed, not much below the largest."""
         extents, resolution = np.ptp(self.solid.vertices, axis=0), self.resolution
         while _grid(extents, resolution)[1].prod(dtype=float) > MOST_VOXELS:
             resolution = int(0.95 * resolution)
@@ -216,9 +184,8 @@ class Voxels:
 
     Attributes
     ----------
-    values : (i, j, k) float32 of cos(phase) at the voxels' middles: 1 on the layers, above -1 in the solid and -1
-        outside
-    origin : (3,) middle of the first voxel
+    values : (i, j, k) float32, cos(phase) at the centres of the voxels: 1 on layers, above -1 in the solid, -1 outside
+    origin : (3,) centre of the first voxel
     step : size of a voxel
     """
 
@@ -227,6 +194,6 @@ class Voxels:
     step: float
 
 
-def _grid(extents, resolution):
+def _grid(extents: np.ndarray, resolution: int) -> tuple[float, np.ndarray]:
     step = float(extents.max()) / resolution
     return step, np.ceil(extents / step).astype(int)

@@ -3,10 +3,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
@@ -14,9 +14,11 @@ from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
+from ..fields.curl_removal import keep_factors
+from ..fields.patterns import untangle
 from ..fields.target_one_form import TargetOneForm
-from ..geometry import TriangleMesh
 from ..monitor import Callback, Monitor, portion
+from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
 from .close_loops import close_loops
 
@@ -25,10 +27,12 @@ if TYPE_CHECKING:
 
 # Largest relative errors of the number of faces without more tries, and without a warning.
 NEAR, FAR = 0.03, 0.05
-# Spacings that are tried for a number of faces.
-TRIES = 7
-# On meshes with more vertices, directions are searched for on a coarse stage: their energies are as low.
-LARGE_MESH = 15_000
+# Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
+TRIES, ENOUGH = 7, 3
+# Corrections of a pattern with dislocations.
+CORRECTIONS = 3
+# Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
+FEW = 300
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # Share of the work for directions.
@@ -40,10 +44,11 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`."""
     wanted = request
-    if _is_default_search(request) and request.given.mesh.vertex_count > LARGE_MESH:
+    if _is_default_search(request):  # directions are searched for on a coarse stage: their energies are as low
         wanted = replace(request, options=replace(request.options, rounding=COARSE))
-    directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
-    found = _mesh_field(request, directions, progress)
+    with keep_factors():
+        directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
+        found = _mesh_field(request, directions, progress)
     faults = [] if found.quads is None else list(_faults(request, found.quads))
     return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
 
@@ -53,12 +58,12 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
 
     It has first fields, the number of faces estimated from the area, and no smoothing.
     """
-    quick = replace(request, options=replace(request.options, method=FIRST), smoothing=0, start=None)
+    quick = replace(request.smoothed(0), options=replace(request.options, method=FIRST), start=None)
 
     try:
         directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
-        if quick.faces is not None:
-            quick = _scale_spacing(quick, _first_factor(quick, directions, quick.faces))
+        if quick.settings.faces:
+            quick = _scale_spacing(quick, _first_factor(quick, directions))
         return _finish(_draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
     except Cancelled:
         raise
@@ -66,37 +71,45 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
         return None
 
 
-def _first_factor(request: "SurfaceRequest", directions: DirectionField, faces: int) -> float:
-    """The factor of the spacing for a number of faces, estimated from the area."""
+def _first_factor(request: "SurfaceRequest", directions: DirectionField) -> float:
+    """The factor of the spacing for the wanted number of faces, estimated from the area."""
+    faces = request.settings.faces
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
-    least = _least_factor(request.given.mesh, request.spacings, faces)
+    least = least_factor(request.given.mesh, request.spacings, faces)
     return max(float(np.sqrt(YIELD * growth.quad_count / faces)), least)
 
 
 def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> "SurfaceResult":
     """The mesh along a field, with a number of faces as near as possible to the wanted one.
 
-    Faces are counted in the traced grid lines; only meshes with nearly the wanted number are finished.
+    Faces are counted in the phases; only meshes with nearly the wanted number are traced and finished.
     """
-    faces = request.faces
-    if _is_default_search(request) and request.branching == 0:
-        # The coarse stage finds patterns without dislocations.
-        request = replace(request, options=replace(request.options, method=COARSE))
-    if faces is None:
+    faces = request.settings.faces
+    if _is_default_search(request) and request.settings.branching == 0:
+        # Without curl, quad meshes of first fields are as good as those of whole solves.
+        request = replace(request, options=replace(request.options, method=FIRST))
+    if not faces:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_close(_settle(_draw(request, directions, part), part), part), part)
-    spacing = _SpacingFactor(_first_factor(request, directions, faces), faces)
+        return _finish(_close(_settle(_draw(request, directions, part)), part), part)
+    spacing = _SpacingFactor(_first_factor(request, directions), faces)
     drafts: list[_Draft] = []
     found: list[SurfaceResult] = []
+    wanted = float(faces)  # of quads for which phases have room, as finished meshes may have more
     for number in range(TRIES):
+        if number >= ENOUGH and min((draft.misses(wanted) for draft in drafts), default=np.inf) <= FAR:
+            break
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
         try:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
-            if abs(count / faces - 1) <= NEAR:
-                found.append(_finish(_close(_settle(drafts.pop(), part), part), part))
-                count = _face_count(found[-1])
+            if count < FEW:
+                request.trace(drafts[-1].result.pattern)
+            if drafts[-1].misses(wanted) <= NEAR:
+                found.append(_finish(_close(_settle(drafts.pop()), part), part))
+                if abs(_face_count(found[-1]) / faces - 1) <= NEAR:
+                    return found[-1]
+                wanted = faces * count / _face_count(found[-1])
         except ContradictionError:
             raise
         except TooManyLines as error:
@@ -104,24 +117,22 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         except SettingError:
             spacing.be_smaller()
             continue
-        if abs(count / faces - 1) <= NEAR:
-            break
-        spacing.correct(count)
-    best = _nearest_count(faces, drafts, found)
+        spacing.correct(count * faces / wanted)
+    best = _best_count(faces, wanted, drafts, found)
     return replace(best, warnings=(*best.warnings, *_about_faces(request, faces, _face_count(best))))
 
 
-def _nearest_count(faces: int, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
+def _best_count(faces: int, wanted: float, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
     """The finished mesh with the number of faces nearest to the wanted one; a draft is finished if it is nearer.
 
     Raises SettingError if the quads of all drafts are too large for a mesh.
     """
     found = found.copy()
-    for draft in sorted(drafts, key=lambda draft: abs(draft.face_count - faces)):
-        if found and abs(_face_count(found[0]) - faces) <= abs(draft.face_count - faces):
+    for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
+        if found and abs(_face_count(found[0]) / faces - 1) <= draft.misses(wanted):
             break
         try:
-            found.append(_finish(draft))
+            found.append(_finish(_close(_settle(draft), None)))
             break
         except SettingError:
             continue
@@ -155,51 +166,61 @@ class _SpacingFactor:
 
 @dataclass(frozen=True)
 class _Draft:
-    """A result without quads, its request, the traced quad mesh, and the seconds that tracing took."""
+    """A result without quads, and its request."""
 
     request: "SurfaceRequest"
     result: "PatternResult"
-    quads: QuadMesh
-    seconds: dict[str, float]
 
-    @property
+    @cached_property
     def face_count(self) -> float:
-        """Estimated number of faces after finishing: a polygon with 2 k corners becomes k - 1 quads."""
-        sizes = self.quads.sizes
-        return float((sizes - 2).sum() / 2) if self.request.has_only_quads else len(sizes)
+        """Number of faces; without branching that of quads for which the phases have room, mostly within 1 % of it."""
+        pattern = self.result.pattern
+        if not self.request.has_only_quads:
+            return len(self.request.trace(pattern)[0].sizes)
+        return pattern.growth.reaching(pattern.edge_phases.changes).quad_count
+
+    @cached_property
+    def dislocations(self) -> int:
+        return len(self.result.pattern.dislocations)
+
+    def misses(self, wanted: float) -> float:
+        """Relative error of the number of faces."""
+        return abs(self.face_count / wanted - 1)
 
 
 def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> _Draft:
     """The draft of the pattern along a field."""
-    result = request.along(directions, portion(progress, 0.0, _CLOSING if request.loops else 1.0))
-    return _Draft(request, result, *request.trace(result.pattern))
+    part = portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0)
+    return _Draft(request, request.along(directions, part))
 
 
-def _settle(draft: _Draft, progress: Callback | None) -> _Draft:
-    """The draft, or that of a whole solve if the coarse stage has left dislocations and it has less energy."""
-    if draft.request.options.method != COARSE or not draft.result.pattern.dislocations:
-        return draft
-    request = replace(draft.request, options=replace(draft.request.options, method="sdp"))
-    whole = _draw(request, draft.result.field, progress)
-    return min(draft, whole, key=lambda draft: draft.result.pattern.energy or 0.0)
+def _settle(draft: _Draft) -> _Draft:
+    """The draft of a first field with as few dislocations as a few corrections reach."""
+    best = draft
+    for _ in range(CORRECTIONS):
+        if draft.request.options.method != FIRST or not draft.dislocations:
+            break
+        pattern = untangle(draft.result.pattern, draft.request.options)
+        draft = replace(draft, result=replace(draft.result, pattern=pattern))
+        best = min(best, draft, key=lambda draft: draft.dislocations)
+    return best
 
 
 def _close(draft: _Draft, progress: Callback | None) -> _Draft:
     """The draft with more of its quads in short loops, if that is asked for and lines do not branch."""
     request = draft.request
-    if request.loops == 0 or request.branching != 0:
+    if request.settings.loops == 0 or request.settings.branching != 0:
         return draft
     pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
-    result = replace(draft.result, pattern=pattern, loops_before=before)
-    return _Draft(request, result, *request.trace(pattern))
+    return _Draft(request, replace(draft.result, pattern=pattern, loops_before=before))
 
 
 def _finish(draft: _Draft, progress: Callback | None = None) -> "SurfaceResult":
     """The result with its quads, and the settings with which they were made."""
     Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
-    settled = {"spacing": request.spacing, "singularities": request.singularities}
-    return replace(draft.result, **request.finish(draft.quads, draft.seconds), settled=settled)
+    settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
+    return replace(draft.result, **request.finish(*request.trace(draft.result.pattern)), settled=settled)
 
 
 def _is_default_search(request: "SurfaceRequest") -> bool:
@@ -247,49 +268,6 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
             f"{lengths.sum():.3g} in length: reduce the spacing"
         )
     others = int((quads.sizes != 4).sum())
-    if others and request.branching == 0:
+    if others and request.settings.branching == 0:
         yield f"{others} of {len(quads.sizes)} faces are not quads, although no branches are wanted: reduce the spacing"
     yield from quad_faults(quads, mesh, request.given.is_closed)
-
-
-def spacing_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
-    """The factor of spacings that gives about a number of quads on a flat surface.
-
-    It is large enough for the quads to reach from one end of each component to the other. Spacings are one number,
-    (n,), or (n, 2) or (1, 2) along two axes.
-    """
-    return float(max(_area_factor(mesh, spacings) / np.sqrt(faces), _least_factor(mesh, spacings, faces)))
-
-
-def faces_of_factor(mesh: TriangleMesh, spacings: ArrayLike, factor: float) -> int:
-    """The number of quads for which :func:`spacing_factor` returns the given factor, rounded down."""
-    return int(max((_area_factor(mesh, spacings) / factor) ** 2, _least_factor(mesh, spacings, 1) / factor))
-
-
-def _area_factor(mesh: TriangleMesh, spacings: ArrayLike) -> float:
-    """The factor with which one quad is as large as the surface."""
-    sides = np.broadcast_to(_along_axes(spacings), (mesh.vertex_count, 2)) / 2
-    return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum()))
-
-
-def _least_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
-    """The factor with which so many quads in a row, corner to corner, are as long as the longest component of the mesh.
-
-    The area of a needle is too small to determine a spacing.
-    """
-    low, high = np.full((2, mesh.vertex_count, 3), np.inf)
-    np.minimum.at(low, mesh.pieces, mesh.vertices)
-    np.minimum.at(high, mesh.pieces, -mesh.vertices)
-    present = np.unique(mesh.pieces[mesh.triangles])
-    reach = (-high[present] - low[present]).max()
-    return float(reach / (np.sqrt(0.5) * np.asarray(spacings).max() * faces))
-
-
-def smallest_sides(mesh: TriangleMesh, spacings: ArrayLike) -> np.ndarray:
-    """(n,) the shorter side of a quad at each vertex; spacings as of :func:`spacing_factor`."""
-    return np.broadcast_to(_along_axes(spacings).min(axis=1) / 2, mesh.vertex_count)
-
-
-def _along_axes(spacings: ArrayLike) -> np.ndarray:
-    spacings = np.asarray(spacings, float)
-    return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)

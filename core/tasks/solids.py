@@ -2,59 +2,49 @@
 """Layers in the solid that a closed surface encloses (paper, Section 3.4)."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import SettingError
 from ..extract.layers.crossings import refuse_too_many_layers
-from ..extract.layers.curve_ends import CurveEnd, curve_ends
-from ..extract.layers.defect_curves import DefectCurve, defect_curves
+from ..extract.layers.defect_curves import CurveEnd, DefectCurve, curve_ends, defect_curves
 from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
 from ..fields.guidance.solids import extend_directions, have_directions
-from ..fields.layers import LayerPattern, SolidTargetOneForm, choose_levels
+from ..fields.layers import LayerGroup, LayerPattern, SolidTargetOneForm, choose_levels
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
-from ..fields.target_one_form import COARSE_SHARE
+from ..geometry import TriangleMesh
 from ..geometry.filling.closed_surface import Area, ClosedSurface
 from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
-from ..monitor import Monitor, portion
+from ..monitor import Callback, Monitor, portion
 from ..printing.flush import FAR, far_share
+from ..refinement.spacing import COARSE_SHARE
 from ..solution import Clock
 from ..solve import Options
 
-# A solid that has lost more than this share of the surface's volume has lost a part that can be seen.
-LOST_VOLUME = 0.1
-# Areas of which the solid covers less are told about.
-COVERED = 0.95
-# A guide without a direction in more of the volume is told about.
-CONTINUED = 0.1
+# Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, and of
+# its volume where the guide has no direction.
+LOST_VOLUME, COVERED, CONTINUED = 0.1, 0.95, 0.1
 # Where the parts of the work begin, as shares of it.
 _GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
 
 
 @dataclass(frozen=True)
 class SolidGuide:
-    """What layers follow.
-
-    Attributes
-    ----------
-    label : what errors call it
-    compute : callable that can be pickled, FilledSurface -> (n, 3) vectors at the solid's vertices
-        (:mod:`..fields.guidance.filled`)
-    """
+    """What layers follow: its name in errors, and a function that can be pickled (:mod:`..fields.guidance.filled`),
+    whose result are (n, 3) vectors at the solid's vertices."""
 
     label: str
     compute: Callable[[FilledSurface], np.ndarray]
 
-    def directions(self, filled):
-        """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they only continue those
-        around; errors name the guide."""
+    def directions(self, filled: FilledSurface) -> tuple[np.ndarray, float]:
+        """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they continue those around."""
         try:
             vectors = self.compute(filled)
         except SettingError as error:
@@ -65,13 +55,8 @@ class SolidGuide:
 
 @dataclass(frozen=True)
 class AskedArea:
-    """A part of the surface that layers follow.
-
-    Attributes
-    ----------
-    area : Area
-    phase : radians, 0 for a layer on it; None for one that is left to the solver, the same all over each piece of it
-    """
+    """A part of the surface that layers follow, with its phase in radians, 0 for a layer on it; None leaves the phase
+    to the solver, one for each piece of the area."""
 
     area: Area
     phase: float | None
@@ -79,20 +64,15 @@ class AskedArea:
 
 @dataclass(frozen=True)
 class SolidRequest:
-    """Layers that are asked for.
+    """Layers to solve for.
 
     Attributes
     ----------
-    surface : ClosedSurface
-    solid : TetMesh whose boundary it is, None for one that fills it
-    guide : SolidGuide
-    asked : AskedAreas
-    lengths : Lengths
-    factors : (n,) at the surface's vertices, on the spacing; None for 1
-    options : of the solve
-    branching : share of the branches that even distances need
+    solid : the given solid whose boundary is the surface; None for one that fills it
+    factors : (n,) at the surface's vertices, by which the spacing is multiplied; None for 1
+    branching : share of the growth's curl that is kept (:func:`core.fields.layers.layer_problem`)
     limits : of the distance of layers, in scene units
-    by_level : number levels, instead of each connected piece by itself
+    by_level : number levels instead of connected pieces
     """
 
     surface: ClosedSurface
@@ -107,30 +87,23 @@ class SolidRequest:
     by_level: bool = False
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh | TetMesh, ...]:
         """The surface's mesh, and the solid where it was given."""
         return (self.surface.mesh,) if self.solid is None else (self.surface.mesh, self.solid)
 
-    def solve(self, progress=None):
-        """The :class:`SolidResult`.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        SynchError
-            with one line that says what is wrong and the remedy, also where memory would not do
-        """
+    def solve(self, progress: Callback | None = None) -> "SolidResult":
+        """Fill the surface, solve and extract; Cancelled when ``progress`` returns False, SynchError for everything
+        else, insufficient memory included."""
         monitor, clock = Monitor(progress), Clock()
         expected = self.estimate
         check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
-            solid = monitor.during(self._filled)
+            solid = monitor.during(self._fill)
         filled = FilledSurface(self.surface, solid)
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
-            directions, continued, spacings, groups = monitor.during(lambda: self._asked(filled))
+            directions, continued, spacings, groups = monitor.during(lambda: self._follow_guide(filled))
             divisions = self.lengths.divisions
             growth = SolidTargetOneForm.of(solid, directions, divisions * spacings)
             refuse_too_many_layers(divisions * growth.changes)
@@ -150,7 +123,7 @@ class SolidRequest:
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             ends = curve_ends(solid, surfaces, curves)
             phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
-            far = monitor.during(lambda: self._far(surfaces))
+            far = monitor.during(lambda: self._far_shares(surfaces))
         warnings = (
             *self._about_loss(solid),
             *self._about_holes(solid),
@@ -164,32 +137,32 @@ class SolidRequest:
         return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
 
     @property
-    def estimate(self):
+    def estimate(self) -> Estimate:
         """The :class:`Estimate` of the solid and its solve."""
         if self.solid is None:
             return estimate(self.surface.distance, self.lengths.size)
         return Estimate(self.lengths.size, self.solid.tet_count, SOLVED_BYTES * self.solid.tet_count)
 
-    def _filled(self):
+    def _fill(self) -> TetMesh:
         if self.solid is not None:
             return self.solid
         return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
 
-    def _asked(self, filled):
-        """Directions, where they continue others, spacings and groups on the solid."""
+    def _follow_guide(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
+        """Directions, the share of those that are continued, spacings and groups on the solid."""
         directions, continued = self.guide.directions(filled)
         spacings: float | np.ndarray = self.lengths.spacing
         if self.factors is not None:
             spacings = self.limits.clipped(spacings * filled.inside(self.factors))
         return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
 
-    def _far(self, surfaces):
-        """Shares of the areas that a layer should lie on which are far from all, by their names."""
+    def _far_shares(self, surfaces: LayerSurfaces) -> dict[str, float]:
+        """By their names, the share of each area that should carry a layer which is far from all layers."""
         mesh, spacing = self.surface.mesh, self.lengths.spacing
         held = [asked.area for asked in self.asked if asked.phase == 0]
         return {area.name: far_share(mesh, area.triangles, surfaces, spacing) for area in held}
 
-    def _about_loss(self, solid):
+    def _about_loss(self, solid: TetMesh) -> Iterator[str]:
         lost = self.surface.lost_share(solid)
         if lost > LOST_VOLUME:
             yield (
@@ -197,7 +170,7 @@ class SolidRequest:
                 "lost, reduce the size of its tetrahedra"
             )
 
-    def _about_holes(self, solid):
+    def _about_holes(self, solid: TetMesh) -> Iterator[str]:
         more = self.surface.more_holes(solid)
         if more:
             number = f"{abs(more)} hole" + "s" * (abs(more) > 1)
@@ -205,7 +178,7 @@ class SolidRequest:
             lacks = f"lacks {number} of the surface, too narrow for it"
             yield f"the solid {has if more > 0 else lacks}: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
 
-    def _about_far(self, far):
+    def _about_far(self, far: dict[str, float]) -> Iterator[str]:
         for name, share in far.items():
             if share > 1 - COVERED:
                 yield (
@@ -213,21 +186,21 @@ class SolidRequest:
                     f"tetrahedra, {self.lengths.size:.3g}"
                 )
 
-    def _about_directions(self, continued):
+    def _about_directions(self, continued: float) -> Iterator[str]:
         if continued > CONTINUED:
             yield (
                 f"{self.guide.label} has no direction of its own in {continued:.0%} of the solid, where those around "
                 f"go on: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
             )
 
-    def _about_limits(self, outside):
+    def _about_limits(self, outside: float) -> Iterator[str]:
         if outside > ENOUGH:
             yield (
                 f"in {outside:.1%} of the solid layers end, or are not between {self.limits} high: give limits that "
                 "are farther apart, or another spacing"
             )
 
-    def _about_rims(self, filled, groups):
+    def _about_rims(self, filled: FilledSurface, groups: Sequence[LayerGroup]) -> Iterator[str]:
         for asked, group in zip(self.asked, groups, strict=True):
             covered = filled.covered_share(asked.area, group.triangles)
             if covered < COVERED:
@@ -240,20 +213,17 @@ class SolidRequest:
 
 @dataclass(frozen=True)
 class SolidResult:
-    """What was found in a solid.
+    """Layers of a solid.
 
     Attributes
     ----------
-    pattern : LayerPattern, whose mesh is the solid in scene units, along the object's axes
-    surfaces : LayerSurfaces in the solid's space
-    curves : DefectCurves in the solid's space
-    ends : CurveEnds of these
-    phases : SurfacePhases
-    outside : share of the volume in which layers end or their distance is outside of the limits, 0 without limits
-    continued : share of the volume in which the guide has no direction of its own
-    far : shares of the areas that a layer should lie on which are far from all layers, by their names
+    pattern : its mesh is the solid in scene units, along the object's axes
+    surfaces, curves, ends : in the solid's space
+    outside : share of the volume in which layers end or their distance is outside the limits, 0 without limits
+    continued : share of the volume in which the guide has no direction
+    far : by its name, the share of each area that should carry a layer which is far from all layers
     warnings : lines that the user should read
-    seconds : that parts of the work took, by their names
+    seconds : of the parts of the work, by their names
     """
 
     pattern: LayerPattern
@@ -268,11 +238,11 @@ class SolidResult:
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @property
-    def solid(self):
+    def solid(self) -> TetMesh:
         return self.pattern.mesh
 
 
-def _about_edges(growth, divisions):
+def _about_edges(growth: SolidTargetOneForm, divisions: int) -> Iterator[str]:
     coarse = float((np.abs(growth.changes) > np.pi * divisions).mean())
     if coarse > COARSE_SHARE:
         yield (
@@ -281,7 +251,7 @@ def _about_edges(growth, divisions):
         )
 
 
-def _about_divisions(divisions, curves):
+def _about_divisions(divisions: int, curves: Sequence[DefectCurve]) -> Iterator[str]:
     if divisions > 1 and curves:
         yield (
             f"the phase is solved for {divisions} layers together, which end together at dislocation curves: give "
@@ -289,7 +259,7 @@ def _about_divisions(divisions, curves):
         )
 
 
-def _no_layer(depth):
+def _no_layer(depth: float) -> str:
     if depth > 0:
         return f"no layer lies in the solid, which is about {depth:.2g} deep for them: give a spacing below that"
     return "no layer lies in the solid, whose phase is the same everywhere: change the guidance or the groups"

@@ -2,14 +2,15 @@
 """Directions, stripes, quads and quad meshes on one surface."""
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Protocol, TypedDict
+from typing import TypedDict
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..errors import ContradictionError, SettingError
+from ..errors import AsymmetryError, ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
 from ..extract.quads.finishing import check_quads, finish_quads
 from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
@@ -18,43 +19,44 @@ from ..fields import (
     DirectionWishes,
     Guide,
     Pattern,
+    PatternWishes,
     Row,
     direction_field,
     given_directions,
-    quad_pattern,
-    stripe_pattern,
 )
 from ..fields.alignment import along_curvature
+from ..fields.constraints.features import feature_edges, feature_row
 from ..fields.directions import known_directions
-from ..fields.mirror import Mirror
-from ..fields.patterns import known_pattern
-from ..fields.target_one_form import COARSE_SHARE, TargetOneForm
+from ..fields.mirror import Mirror, Reflection, Seam
+from ..fields.patterns import KnownPattern, known_pattern, next_pattern, solve_pattern
+from ..fields.target_one_form import TargetOneForm
 from ..geometry import TriangleMesh
+from ..geometry.cut import edges_after_cut
 from ..geometry.mesh_input import MeshInput
+from ..geometry.mirror import mirrored_vertices
 from ..monitor import Callback, Monitor, portion
-from ..settings.surface import SYMMETRY_ORDERS
+from ..refinement.spacing import (
+    COARSE_SHARE,
+    asked_spacings,
+    lines_in_period,
+    smallest_sides,
+    spacing_on_faces,
+    wished_spacing,
+)
+from ..settings.pins import parse_pins
+from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..solution import FIRST, Clock
 from ..solve import Options
 from ..solve.warm_start import Follower
 from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 
-# The pattern that a command solves for along its directions; "directions" has none.
-PATTERNS: dict[str, Callable[..., Pattern]] = {
-    "stripes": stripe_pattern,
-    "quads": quad_pattern,
-    "quad_mesh": quad_pattern,
-}
-# Commands with pictures of intermediate results.
+# Commands with a pattern, and those with pictures of intermediate results.
+PATTERNS = ("stripes", "quads", "quad_mesh")
 SHOWN = ("stripes", "quads")
+# Curvature that varies over less than this part of a quad's side does not turn the directions of quad meshes.
+DETAIL = 0.5
 # Share of the work for the draft of a quad mesh.
 _DRAFT = 0.15
-
-
-class _WithPhases(Protocol):
-    """A pattern, or another object with (k n,) complex phases."""
-
-    @property
-    def phases(self) -> np.ndarray: ...
 
 
 class _Finished(TypedDict):
@@ -89,54 +91,105 @@ class PendingGuide:
 
 
 @dataclass(frozen=True)
+class SurfaceSource:
+    """A mesh, and what settings name on it, read from a scene.
+
+    Attributes
+    ----------
+    given : the mesh
+    rows : of the constraint list
+    guides : for the directions
+    directions : (n, 3) vectors that are used as they are, or None
+    turns : radians added to the angle, one or (n,)
+    factors : on the spacing, one or (n,)
+    sharp : edges of the uncut mesh that are marked sharp
+    is_fitted : whether the mesh was made as fine as the spacing needs
+    """
+
+    given: MeshInput
+    rows: tuple[Row, ...] = ()
+    guides: tuple[PendingGuide, ...] = ()
+    directions: np.ndarray | None = None
+    turns: float | np.ndarray = 0.0
+    factors: float | np.ndarray = 1.0
+    sharp: ArrayLike = ()
+    is_fitted: bool = False
+
+
+@dataclass(frozen=True)
 class SurfaceRequest:
-    """Asks for a field, a pattern or a quad mesh.
+    """Asks for a field, a pattern or a quad mesh; :meth:`of` derives all that follows from source and settings.
 
     Attributes
     ----------
     command : "directions", or one of :data:`PATTERNS`
-    given : the mesh
-    symmetry : "vector", "line" or "cross"
+    source : what was read
+    settings : for the command
     options : of each solve
-    directions : (n, 3) vectors that are used as they are, or None
-    guides : for the directions
-    turn : radians by which the directions are turned, one or (n,)
-    rows : of the constraint list
-    mirrors : reflections that leave the field unchanged
     spacing : in scene units
     spacings : the spacing times its map, (n,), or (n, 2) for quads with an aspect, or the spacing alone
-    mirror_axes : the axes of the mirrors in the object's space, 0, 1 or 2
-    smoothing : of quad meshes, number of smoothing steps
-    singularities : share of the disclinations by which the directions adapt to the shape
-    branching : share of the dislocations that even spacing needs; None for directions alone
-    faces : of quad meshes, their number, whatever the spacing; None for the number that the spacing gives
-    loops : of quad meshes, how much energy is given up for short loops, from 0, none, to 1, any
+    rows : of the constraint list, and of features
+    mirrors : reflections that leave the field unchanged
     pins : triangles and the indices of the disclinations wanted there
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
-    strict : whether a result with faults is refused
     """
 
     command: str
-    given: MeshInput
-    symmetry: str
+    source: SurfaceSource
+    settings: SurfaceSettings
     options: Options
-    directions: np.ndarray | None
-    guides: tuple[PendingGuide, ...]
-    turn: float | np.ndarray
-    rows: tuple[Row, ...]
-    mirrors: tuple[Mirror, ...]
     spacing: float
     spacings: float | np.ndarray
-    mirror_axes: tuple[int, ...] = ()
-    smoothing: int = 0
-    singularities: float = 1.0
-    branching: float | None = 1.0
-    faces: int | None = None
-    loops: float = 0.0
+    rows: tuple[Row, ...]
+    mirrors: tuple[Reflection, ...]
     pins: tuple[tuple[int, float], ...] = ()
     start: tuple[np.ndarray, np.ndarray] | None = None
-    strict: bool = False
+
+    @classmethod
+    def of(cls, command: str, source: SurfaceSource, settings: SurfaceSettings) -> "SurfaceRequest":
+        """The request of settings as of :meth:`SurfaceSettings.for_command`; SettingError for what cannot be."""
+        given, spacing, lines = source.given, settings.spacing, lines_in_period(command)
+        mesh = given.mesh
+        if spacing is None:
+            # A mesh that was made for the spacing is as fine as that needs.
+            spacing = wished_spacing(mesh.areas.sum(), lines) if source.is_fitted else spacing_on_faces(mesh, lines)
+        spacing, spacings = asked_spacings(command, mesh, settings, spacing, source.factors)
+        rows = source.rows
+        if command == "quad_mesh" and settings.features > 0:
+            rows += _feature_rows(given, settings.features, smallest_sides(mesh, spacings), source.sharp)
+        mirrors: tuple[Reflection, ...] = _mirrors(given, settings.mirror)
+        if given.seam is not None:
+            mirrors += (Seam.of(mesh, given.seam, rows),)
+        request = cls(command, source, settings, Options.of(settings), spacing, spacings, rows, mirrors)
+        return request.with_pins(parse_pins(settings.pins or ""))
+
+    def with_pins(self, pins: Mapping[int, int]) -> "SurfaceRequest":
+        """The request with other pins, turns by face; SettingError for a face that does not exist."""
+        polygons, order = self.given.polygons, SYMMETRY_ORDERS[self.settings.symmetry]
+        for face in pins:
+            if not (0 <= face < len(polygons.starts) and polygons.drawn[face]):
+                raise SettingError(f"there is no face {face} to pin: clear the pins, or pin again")
+        pinned = [(int(polygons.first_triangles[face]), turns / order) for face, turns in pins.items()]
+        return replace(self, pins=tuple(pinned))
+
+    def smoothed(self, rounds: int) -> "SurfaceRequest":
+        """The request with another number of smoothing steps of quad meshes."""
+        return replace(self, settings=replace(self.settings, smoothing=rounds))
+
+    def on_mesh(self, given: MeshInput) -> "SurfaceRequest":
+        """The request on the same mesh in another object, or with other polygons."""
+        return replace(self, source=replace(self.source, given=given))
+
+    @property
+    def given(self) -> MeshInput:
+        """The mesh."""
+        return self.source.given
+
+    @property
+    def turn(self) -> float | np.ndarray:
+        """Radians by which the directions are turned, one or (n,)."""
+        return self.settings.angle + self.source.turns
 
     @property
     def shared(self) -> tuple[TriangleMesh, TriangleMesh]:
@@ -181,69 +234,85 @@ class SurfaceRequest:
         self, progress: Callback | None = None, before: DirectionField | None = None, follower: Follower | None = None
     ) -> DirectionField:
         """The directions, turned by their angle; solved from the field of the previous frame if there is one."""
-        mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
-        if self.directions is not None:
-            return given_directions(mesh, symmetry, self.directions).turned(self.turn)
+        mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.settings.symmetry]
+        if self.source.directions is not None:
+            return given_directions(mesh, symmetry, self.source.directions).turned(self.turn)
         start = None if self.start is None else self.start[0]
         with self._renumber_errors():
-            guides = tuple(guide.weighted for guide in self.guides)
-            wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins)
-            field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
+            wishes = self._direction_wishes(tuple(guide.weighted for guide in self.source.guides))
+            field: DirectionField = direction_field(
+                mesh, symmetry, wishes, self.options, progress, before, follower, start
+            )
         if self.command == "quad_mesh":
             field = along_curvature(field)
         return field.turned(self.turn)
+
+    @property
+    def _detail(self) -> float:
+        """Length over which curvature has to vary to turn the directions of a quad mesh: a share of a quad's side."""
+        if self.command != "quad_mesh":
+            return 0.0
+        faces = self.settings.faces
+        side = np.sqrt(self.given.mesh.areas.sum() / faces) if faces else np.mean(self.spacings) / 2
+        return float(DETAIL * side)
 
     def along(
         self,
         directions: DirectionField,
         progress: Callback | None = None,
-        before: _WithPhases | None = None,
-        hold: float = 0.0,
         show: Callable[["SurfaceResult"], object] | None = None,
+    ) -> "PatternResult":
+        """The result with the pattern along a field; ``show`` as of :meth:`solve_showing`."""
+        result, start = self._pattern_result(directions, progress), None if self.start is None else self.start[1]
+        shows = None if show is None else lambda pattern: show(result(pattern))
+        mesh, wishes = self.given.mesh, self._pattern_wishes
+        with self._renumber_errors():
+            return result(solve_pattern(mesh, directions, wishes, self.options, progress, start, shows))
+
+    def next_along(
+        self,
+        directions: DirectionField,
+        before: np.ndarray,
+        progress: Callback | None = None,
+        hold: float = 0.0,
         follower: Follower | None = None,
     ) -> "PatternResult":
-        """The result with the pattern along a field; solved from that of the previous frame if there is one.
+        """The result with the pattern along a field, from the (k n,) phases before (see :func:`next_pattern`)."""
+        result, mesh, wishes = self._pattern_result(directions, progress), self.given.mesh, self._pattern_wishes
+        with self._renumber_errors():
+            return result(next_pattern(mesh, directions, wishes, before, self.options, progress, hold, follower))
 
-        ``show`` as of :meth:`solve_showing`.
-        """
+    def _pattern_result(
+        self, directions: DirectionField, progress: Callback | None
+    ) -> Callable[[Pattern], "PatternResult"]:
+        """What makes the result of a pattern; the number of dislocations is told, and faults are found, before it."""
         growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
         # Tell the number of dislocations before the solve.
-        Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
+        forced = growth.forced_dislocations
+        Monitor(progress).at(f"pattern, {forced:.0f} dislocations asked for", 0.0)
         warnings = self.accept_faults(self._coarse_faults(growth.coarse_share))
+        return lambda pattern: PatternResult(directions, pattern, None, forced, warnings)
 
-        def result(pattern: Pattern) -> "PatternResult":
-            return PatternResult(directions, pattern, None, growth.forced_dislocations, warnings)
-
-        with self._renumber_errors():
-            pattern = PATTERNS[self.command](
-                self.given.mesh,
-                directions,
-                self.spacings,
-                self.rows,
-                self.mirrors,
-                self.options,
-                progress,
-                before=before,
-                hold=hold,
-                branching=self.branching,
-                show=None if show is None else lambda pattern: show(result(pattern)),
-                follower=follower,
-                start=None if self.start is None else self.start[1],
-            )
-        return result(pattern)
-
-    def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, Pattern]:
+    def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, KnownPattern]:
         """Directions and pattern of an earlier solution's (n, 3) directions and (k n,) complex phases."""
-        mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
-        wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)
-        field = known_directions(mesh, symmetry, vectors, wishes)
-        assert self.branching is not None  # there are phases
-        return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
+        mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.settings.symmetry]
+        field = known_directions(mesh, symmetry, vectors, self._direction_wishes(()))
+        return field, known_pattern(mesh, field, self._pattern_wishes, phases)
+
+    def _direction_wishes(self, guides: tuple[tuple[Guide, float], ...]) -> DirectionWishes:
+        singularities = self.settings.singularities
+        assert singularities is not None  # SurfaceSettings.for_command sets it
+        return DirectionWishes(guides, self.rows, self.mirrors, singularities, self.pins, self._detail)
+
+    @property
+    def _pattern_wishes(self) -> PatternWishes:
+        assert self.settings.branching is not None  # as above
+        return PatternWishes(self.spacings, self.rows, self.mirrors, self.settings.branching)
 
     @property
     def has_only_quads(self) -> bool:
         """Whether all faces of the quad mesh become quads."""
-        return self.command == "quad_mesh" and self.branching == 0
+        return self.command == "quad_mesh" and self.settings.branching == 0
 
     def trace(self, pattern: Pattern) -> tuple[QuadMesh, dict[str, float]]:
         """The quad mesh of a pattern's grid lines before finishing, and the seconds; errors as :func:`check_quads`."""
@@ -258,13 +327,14 @@ class SurfaceRequest:
         clock = Clock()
         clock.add(seconds)
         with clock("extract"):
-            planes = np.linalg.inv(self.given.stretch)[list(self.mirror_axes)]
-            quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, self.has_only_quads)
+            planes = np.linalg.inv(self.given.stretch)[["XYZ".index(axis) for axis in self.settings.mirror]]
+            smoothing = self.settings.smoothing
+            quads = finish_quads(quads, self.given.mesh, self.rows, planes, smoothing, self.has_only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
     def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:
         """Faults of a result as warnings; raises SettingError with the first one if the request is strict."""
-        if self.strict and faults:
+        if self.settings.strict and faults:
             raise SettingError(faults[0])
         return tuple(faults)
 
@@ -284,6 +354,26 @@ class SurfaceRequest:
             yield
         except ContradictionError as error:
             raise error.renumbered(self.given.source) from None
+
+
+def _mirrors(given: MeshInput, axes: str) -> tuple[Mirror, ...]:
+    """Mirrors in the object's axes, as letters, through its origin."""
+    numbers = sorted("XYZ".index(letter) for letter in set(axes))
+    try:
+        return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
+    except AsymmetryError as error:
+        raise error.renumbered(given.source) from None
+
+
+def _feature_rows(given: MeshInput, angle: float, sides: np.ndarray, sharp: ArrayLike) -> tuple[Row, ...]:
+    """The row for the boundary and the sharp edges of the uncut mesh, none where there are none.
+
+    Edges between two faces at more than ``angle``, and those in ``sharp``, are sharp; ``sides`` are the (n,) lengths of
+    a quad's side at each vertex, a few of which make a feature.
+    """
+    uncut = given.uncut
+    edges = feature_edges(uncut, angle, sides[: uncut.vertex_count], sharp, given.polygons.triangle_faces)
+    return (feature_row(given.mesh, edges_after_cut(uncut, given.mesh, edges)),) if len(edges) else ()
 
 
 @dataclass(frozen=True)
@@ -322,7 +412,7 @@ class SurfaceResult:
     forced_dislocations: float | None = None
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
-    settled: dict[str, float] = dataclasses.field(default_factory=dict)
+    settled: dict[str, float | None] = dataclasses.field(default_factory=dict)
     loops_before: dict[str, float] | None = None
 
 

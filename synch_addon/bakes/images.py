@@ -6,8 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.files.pictures import is_whole
-from ...core.files.whole import unwritten
+from ...core.files.whole import is_whole_image, unwritten
 from ...core.settings.bake import MAPS, SUFFIXES
 from ..blender.transaction import assign, at_the_end, keep, set_aside
 from ..nodes.canvas import find_node, surface_material
@@ -31,11 +30,8 @@ def file_name(settings, name, map_name):
 def save(values, path, settings, map_name, scene):
     """Write (size, size, k) values to an image file; grey ones for k = 1.
 
-    Only the colour is encoded for the screen, and only as PNG; everything else is kept as it is.
-
-    Parameters
-    ----------
-    scene : one that only this uses, whose image settings are changed
+    Only the colour is encoded for the screen, and only as PNG; everything else is kept as it is. ``scene``: one that
+    only this uses, whose image settings are changed.
     """
     kind = MAPS[map_name]
     image_settings = scene.render.image_settings
@@ -56,7 +52,7 @@ def save(values, path, settings, map_name, scene):
     except RuntimeError as error:
         raise unwritten(path, str(error).strip().splitlines()[0]) from error
     bpy.data.images.remove(image)
-    if not is_whole(path):
+    if not is_whole_image(path):
         raise unwritten(path, "only a part arrived")
 
 
@@ -101,10 +97,7 @@ def show_images(obj, kind, images, uv_map, with_displacement):
     """Show images on an object: in the slots that show the pattern, or else in a new last one. Returns the materials.
 
     Each remembers the material that it replaces, which stays in the file and is what the next bake looks at.
-
-    Parameters
-    ----------
-    images : by the names of their maps
+    ``images``: by the names of their maps.
     """
     shown = [(slot, source) for slot, source in zip(obj.material_slots, sources(obj), strict=True)]
     shown = [(slot, source) for slot, source in shown if pattern_node(source, kind) or _is_made_for(slot.material, obj)]

@@ -8,25 +8,29 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 from ...core.errors import SettingError, SynchError
 from ...core.extract.quads.trace.cells import cells
 from ...core.files.leftovers import own_name, sweep
 from ...core.settings.bake import MAPS, NEW_MAP
-from ..blender import meshes
+from ..blender import attributes, meshes
 from ..blender import phases as blender_phases
+from ..blender.new_geometry import new_mesh
 from ..blender.objects import ObjectLink
 from ..blender.pattern_surface import surface_of
 from ..blender.transaction import keep_file, undone_by, whole_or_nothing
 from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
-from . import index, shaders
+from . import shaders
 from .stage import make_stage, read_uv, write_uv
 
 # How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
 # smaller than this they are as far apart as in one of this size, for not to vanish.
 _APART, _SMALL = 4, 256
+# The largest number of a 16-bit PNG.
+_MOST_NUMBER = 65535
 # How many UV maps a mesh can have.
 _MOST_MAPS = 8
 
@@ -198,7 +202,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
         yield "index", len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
         with make_stage(obj, modifiers=False) as stage:
-            found = index.numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
+            found = _numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
             values = _number_values(found, numbering.count, settings, report)
             path = folder / bake_images.file_name(settings, obj.name, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
@@ -206,14 +210,48 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     yield "write", 1.0
 
 
+def _numbers_at(stage, polygons, coordinates, numbering, size, margin):
+    """(size, size) numbers of stripes or quads at the middle of each pixel, 0 where there is no face.
+
+    The faces are laid out flat in a stage of their own, as their corners' UV coordinates tell.
+    """
+    corners = polygons.triangle_corners
+    flat = np.column_stack([coordinates[corners.ravel()], np.zeros(corners.size)])
+    data = new_mesh("Synch Bake", flat, np.arange(corners.size).reshape(-1, 3))
+    data.uv_layers.new(name="Synch Bake").uv.foreach_set("vector", flat[:, :2].astype(np.float32).ravel())
+    stage.obj.modifiers.clear()
+    stage.obj.data = data
+    data.materials.append(None)
+    attributes.write_attribute(stage.obj, "triangle", "FACE", "INT", 1 + np.arange(len(corners)))
+    for corner in range(2):
+        weights = np.tile(np.eye(3)[corner], len(corners))
+        attributes.write_attribute(stage.obj, f"weight_{corner}", "CORNER", "FLOAT", weights)
+    material = shaders.glowing_attributes("triangle", "weight_0", "weight_1")
+    seen = stage.bake("EMIT", [material], size, samples=1, margin=0)
+    inside = seen[:, :, 0] > 0.5
+    triangles, weights = np.rint(seen[inside, 0]).astype(int) - 1, seen[inside, 1:3].astype(float)
+    weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
+    numbers = np.zeros((size, size), int)
+    numbers[inside] = numbering.at(triangles, weights)
+    return _extend_numbers(numbers, inside, margin)
+
+
+def _extend_numbers(numbers, inside, margin):
+    """Numbers where there are none yet: the nearest one, inside and up to a margin beside it."""
+    if not numbers.any():
+        return numbers
+    distance, nearest = distance_transform_edt(numbers == 0, return_indices=True)
+    return np.where(inside | (distance <= margin), numbers[tuple(nearest)], 0)
+
+
 def _number_values(numbers, count, settings, report):
     """Numbers as an image's values."""
     report["count"] = count
     if settings.file_format != "PNG":
         return numbers
-    if count > index.MOST:
-        report["warnings"].append(f"{count} numbers are more than a PNG holds: they start again after {index.MOST}")
-    return np.where(numbers > 0, (numbers - 1) % index.MOST + 1, 0) / index.MOST
+    if count > _MOST_NUMBER:
+        report["warnings"].append(f"{count} numbers are more than a PNG holds: they start again after {_MOST_NUMBER}")
+    return np.where(numbers > 0, (numbers - 1) % _MOST_NUMBER + 1, 0) / _MOST_NUMBER
 
 
 def _describe(report, names, settings, start):

@@ -6,7 +6,7 @@ from itertools import count
 
 import numpy as np
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, name_elements
 from .groups import is_group, read_weights
 from .schema import FORMAT, PREFIX, STAMP, TYPES, layout_of
 from .transaction import at_the_end, store, undone_by
@@ -27,10 +27,7 @@ def read_all(elements, name, width=1, dtype=np.int32):
 def read_vectors(obj, name, given):
     """(n, 3) vectors of a POINT attribute, on the vertices and in the measured space of a :class:`MeshInput`.
 
-    Raises
-    ------
-    SettingError
-        when the attribute is missing or of another kind
+    Raises SettingError when the attribute is missing or of another kind.
     """
     return _read(_point_attribute(obj, name, "FLOAT_VECTOR", "vector")).astype(float)[given.source] @ given.stretch.T
 
@@ -45,13 +42,53 @@ def read_numbers(obj, name, given, outside=0.0):
     return _read(_point_attribute(obj, name, "FLOAT", "float")).astype(float)[given.source]
 
 
+def read_factors(obj, given, name, factor):
+    """(n,) factors on the spacing: a float attribute as it is, or a vertex group by its weights.
+
+    Raises SettingError when there is neither, or a value of the attribute is not positive and finite.
+
+    Parameters
+    ----------
+    name : of the attribute or vertex group; the attribute goes first
+    factor : of a vertex with weight 1 in the group; 1 at weight 0, and geometric in between
+    """
+    values = read_numbers(obj, name, given)
+    if is_group(obj, name):
+        return factor**values
+    values[given.mesh.loose_vertices] = 1
+    _refuse(obj, given, name, ~(np.isfinite(values) & (values > 0)), "a positive factor on the spacing")
+    return values
+
+
+def read_turns(obj, given, name, turn):
+    """(n,) radians by which directions are turned: a float attribute as it is, or a vertex group by its weights.
+
+    Raises SettingError when there is neither, or a value is not finite.
+
+    Parameters
+    ----------
+    obj, given, name : as of :func:`read_factors`
+    turn : radians at a vertex with weight 1 in the group
+    """
+    values = read_numbers(obj, name, given)
+    if is_group(obj, name):
+        return turn * values
+    _refuse(obj, given, name, ~np.isfinite(values), "a finite angle in radians")
+    return values
+
+
+def _refuse(obj, given, name, bad, wanted):
+    vertices = np.unique(given.source[bad])
+    if len(vertices):
+        raise SettingError(
+            f"the attribute {name!r} of {obj.name} is of no use at {name_elements('vertex', vertices)}: give {wanted}"
+        )
+
+
 def read_uv_map(obj, name):
     """(c, 2) coordinates of the faces' corners in a UV map, the active one where the name is "".
 
-    Raises
-    ------
-    SettingError
-        when there is no such map
+    Raises SettingError when there is no such map.
     """
     layers = obj.data.uv_layers
     layer = layers.get(name) if name else layers.active
@@ -112,11 +149,8 @@ def write(obj, attribute, values):
 def write_attribute(obj, name, domain, data_type, values):
     """Write an attribute, replacing one of the same name that has another domain or type.
 
-    Raises
-    ------
-    ValueError
-        before anything is changed, where values do not fit the domain and the type, or one of ours does not fit
-        :mod:`.schema`, or is not finite
+    Raises ValueError before anything is changed, where values do not fit the domain and the type, or one of ours does
+    not fit :mod:`.schema`, or is not finite.
     """
     mesh = obj.data
     values = _fitting(name, domain, data_type, mesh.attributes.domain_size(domain), np.asarray(values))

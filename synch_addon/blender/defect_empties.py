@@ -44,12 +44,12 @@ class DefectEmpty(NamedTuple):
 def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0, mesh=None) -> list[bpy.types.Object]:
     """Leave one empty of `obj` for each of `defects`, and no others of these `kinds`.
 
-        An empty that is there goes to the next defect of its kind and index: to make one, or to take one away, costs
-    Blender more than to move it. Positions and normals are in object space; an empty's Z axis is the normal. `length`,
-    in scene units, sets the display size: the distance between stripes is a good one. Empties follow the faces of
-    `mesh`, where one is given whose vertices are the first ones that `obj` shows. New empties lie in
-    "Synch Defects: <object>", a collection inside "Synch Defects" of the object's scene, which keeps its visibility
-    settings. Returns the empties, in the order of `defects`.
+    An empty that exists moves to the next defect of its kind and index, since making and removing one costs Blender
+    more. Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene units, sets the
+    display size: the distance between stripes is a good one. Empties follow the faces of `mesh`, where one is given
+    whose vertices are the first ones that `obj` shows. New empties lie in "Synch Defects: <object>", a collection
+    inside "Synch Defects" of the object's scene, which keeps its visibility settings. Returns the empties, in the order
+    of `defects`.
     """
     collection = _collection_of(obj)
     free = {}

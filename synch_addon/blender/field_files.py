@@ -30,15 +30,12 @@ def check_triangles(polygons):
 def read_guide(given, path):
     """Read a field file for the triangles of a :class:`MeshInput`.
 
+    Raises MeshError or SettingError for faces that are no triangles, and files that cannot be read.
+
     Returns
     -------
     symmetry : int
     compute : callable without arguments, makes the Guide on the vertices
-
-    Raises
-    ------
-    MeshError, SettingError
-        for faces that are no triangles, and files that cannot be read
     """
     check_triangles(given.polygons)
     field = read_field(bpy.path.abspath(check_path(path)))
@@ -49,7 +46,7 @@ def read_guide(given, path):
     return field.symmetry, partial(to_vertices, given.mesh, measured)
 
 
-def import_directions(obj, path):
+def import_directions(obj, path) -> str:
     """Write the directions of a field file to the object's ``synch_direction``; returns the symmetry's name.
 
     Vertices whose faces have no direction get a zero vector.
@@ -70,16 +67,13 @@ def import_directions(obj, path):
 def export_directions(obj, path, symmetry):
     """Write the object's ``synch_direction`` as a field file.
 
+    Raises MeshError or SettingError for faces that are no triangles, an object without directions, and files that
+    cannot be written.
+
     Parameters
     ----------
-    obj : bpy.types.Object, in object mode
     path : with the suffix .rawfield or .rosy
     symmetry : "vector", "line" or "cross", what the directions are
-
-    Raises
-    ------
-    MeshError, SettingError
-        for faces that are no triangles, an object without directions, and files that cannot be written
     """
     path, number = bpy.path.abspath(check_path(path)), SYMMETRY_ORDERS[symmetry]
     check_triangles(meshes.read_polygons(obj))

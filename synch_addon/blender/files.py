@@ -49,10 +49,7 @@ _SHARP = math.radians(40)
 def open_input(path):
     """Open a .blend, or import a mesh into an empty scene.
 
-    Raises
-    ------
-    SynchError
-        for a missing or damaged file, a kind that is not supported, or one that memory does not hold
+    Raises SynchError for a missing or damaged file, a kind that is not supported, or one that memory does not hold.
     """
     suffix = Path(path).suffix.lower()
     if suffix != ".blend" and suffix not in _IMPORTERS:
@@ -190,17 +187,13 @@ def check_output(path, suffixes):
 def export_mesh(obj, path, z_up=False, written=write_whole):
     """Write one mesh object to a file of its own, in the units of the scene.
 
+    Raises SettingError where the file cannot be written.
+
     Parameters
     ----------
-    obj : bpy.types.Object
     path : of a kind in MESH_SUFFIXES
     z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
     written : what a :func:`write_together` yields, for a file of a set
-
-    Raises
-    ------
-    SettingError
-        where the file cannot be written
     """
     seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     data, matrix, suffix = seen.data, np.array(seen.matrix_world, float), Path(path).suffix.lower()
@@ -254,10 +247,7 @@ def is_report(path):
 def save_blend(path):
     """Save a copy of the scene as a .blend file, without Blender's backup of an older one; returns its path.
 
-    Raises
-    ------
-    SettingError
-        where the file cannot be written; an older one stays as it was
+    Raises SettingError where the file cannot be written; an older one stays as it was.
     """
     preferences = bpy.context.preferences.filepaths
     backups, preferences.save_version = preferences.save_version, 0

@@ -19,17 +19,23 @@ def read_group(obj, name):
     return members
 
 
-def read_weights(obj, name, outside=0.0):
-    """(n,) weights of a vertex group, another number for vertices outside."""
+def read_members(obj):
+    """Vertices, group indices and weights, (k,) each, of the members of all vertex groups."""
+    members = [(vertex.index, one.group, one.weight) for vertex in obj.data.vertices for one in vertex.groups]
+    vertices, indices, weights = np.array(members, float).reshape(-1, 3).T
+    return vertices.astype(int), indices.astype(int), weights
+
+
+def read_weights(obj, name, outside=0.0, members=None):
+    """(n,) weights of a vertex group, another number for vertices outside; ``members`` as of :func:`read_members`."""
     group = obj.vertex_groups.get(name)
     if group is None:
         names = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
         raise SettingError(f"{obj.name} has no vertex group {name!r}: choose one of its groups ({names})")
+    vertices, indices, of_members = read_members(obj) if members is None else members
     weights = np.full(len(obj.data.vertices), outside)
-    for vertex in obj.data.vertices:
-        for member in vertex.groups:
-            if member.group == group.index:
-                weights[vertex.index] = member.weight
+    own = indices == group.index
+    weights[vertices[own]] = of_members[own]
     return weights
 
 

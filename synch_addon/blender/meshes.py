@@ -2,19 +2,15 @@
 """The only door between Blender's data and the core's arrays."""
 
 from contextlib import contextmanager
-from dataclasses import replace
 
 import bmesh
 import bpy
 import numpy as np
 
 from ...core.errors import MeshError, SynchError
-from ...core.geometry import TriangleMesh
-from ...core.geometry.check import check_mesh, coarse_places
-from ...core.geometry.manifold_repair import Finding, carrier, finite_places
-from ...core.geometry.mesh_input import MeshInput
+from ...core.geometry.manifold_repair import finite_places
+from ...core.geometry.mesh_input import ObjectMesh
 from ...core.geometry.polygons import Polygons
-from ...core.geometry.welding import welded_vertices
 from .attributes import read_all, read_values
 from .objects import no_object, set_mode, world_of
 from .transaction import at_the_end, undone_by
@@ -70,51 +66,24 @@ def read_mesh(obj, base=None, strict=False, weld=False):
     """Read the object's own mesh (before modifiers) in object mode, in the shape of :func:`measured_key` and measured
     with the object's scale.
 
-    An evaluated object's own mesh is the one behind the modifiers.
+    An evaluated object's own mesh is the one behind the modifiers. Raises MeshError, naming the first element that
+    cannot carry a field.
 
     Parameters
     ----------
-    obj : bpy.types.Object
     base : MeshInput of the same faces, at other places perhaps: the surface is made of the same ones
     strict : refuse what cannot carry a field as it is, instead of solving on its carrier
     weld : join boundary vertices at the same place
-
-    Raises
-    ------
-    MeshError
-        naming the first element that cannot carry a field
     """
+    return read_faces(obj).surface(strict, weld) if base is None else read_faces(obj, base.polygons).moved(base)
+
+
+def read_faces(obj, polygons=None):
+    """The :class:`ObjectMesh` of an object, with its own polygons or the given ones."""
     for group in obj.vertex_groups:
         if group.name.startswith("synch_"):  # Blender would number an attribute of the same name
             raise MeshError(f"the vertex group {group.name!r} of {obj.name} has a name of our attributes: rename it")
-    stretch = _stretch(obj)
-    vertices = _places(obj, stretch)
-    if base is not None:
-        left_out = np.bincount(base.uncut.triangles.ravel(), minlength=len(base.source)) == 0
-        places = np.where(left_out[:, None], finite_places(vertices)[base.source], vertices[base.source])
-        mesh = TriangleMesh(places, base.uncut.triangles)
-        check_mesh(mesh, base.polygons.triangle_faces)
-        return replace(base, mesh=mesh, uncut=mesh, stretch=stretch)
-    polygons = read_polygons(obj)
-    joined = welded_vertices(vertices, polygons.triangles) if weld else np.arange(len(vertices))
-    moved = np.flatnonzero(joined != np.arange(len(joined)))
-    welds = (Finding("joined_vertices", moved),) if len(moved) else ()
-    polygons = replace(polygons, corner_vertices=joined[polygons.corner_vertices])
-    mesh = TriangleMesh(vertices, polygons.triangles)
-    try:
-        check_mesh(mesh, polygons.triangle_faces)
-    except MeshError:
-        if strict or mesh.triangle_count == 0:
-            raise
-        found = carrier(mesh, polygons)
-        coarse = coarse_places(mesh.vertices, mesh.edges)
-        if coarse and "flat_faces" in {finding.name for finding in found.findings}:
-            raise MeshError(f"{obj.name} has lost its shape: {coarse}") from None
-        places = found.mesh, found.polygons, stretch, found.mesh, found.source
-        across = found.across if len(found.across) else None
-        return MeshInput(*places, welds + found.findings, found.own[joined], across, across)
-    places = mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count)
-    return MeshInput(*places, welds, joined if len(moved) else None)
+    return ObjectMesh(obj.name, measured_places(obj), polygons or read_polygons(obj), _stretch(obj))
 
 
 def measured_key(obj):
@@ -177,13 +146,10 @@ def read_polygons(obj):
         data.calc_loop_triangles()
         triangles = read_all(data.loop_triangles, "loops", 3).astype(np.int64)
         faces = read_all(data.loop_triangle_polygons, "value").astype(np.int64)
-    return Polygons(_corner_vertices(obj).astype(np.int64), starts, sizes, triangles, faces)
-
-
-def _corner_vertices(obj):
-    """(c,) vertex of each corner; as an attribute it is read two hundred times as fast as from the corners."""
-    values = read_values(obj, ".corner_vert", "CORNER")
-    return np.empty(0, np.int32) if values is None else values
+    # As an attribute they are read two hundred times as fast as from the corners.
+    corners = read_values(obj, ".corner_vert", "CORNER")
+    corners = np.empty(0, np.int64) if corners is None else corners.astype(np.int64)
+    return Polygons(corners, starts, sizes, triangles, faces)
 
 
 def _stretch(obj):
@@ -202,7 +168,6 @@ def can_be_split(obj, faces, surface):
 
     Parameters
     ----------
-    obj : bpy.types.Object
     faces : (k,)
     surface : Polygons of the surface, whose faces may look like others: such a face stands for the triangle it is
     """
@@ -328,10 +293,7 @@ def select_edges(obj, pairs):
 def select_faces(obj, faces):
     """Select faces and nothing else of a mesh in object mode, so that edit mode shows them.
 
-    Raises
-    ------
-    MeshError
-        where the mesh has fewer faces, and then nothing is selected
+    Raises MeshError where the mesh has fewer faces, and then nothing is selected.
     """
     if max(faces, default=0) >= len(obj.data.polygons):
         raise MeshError(f"faces of {obj.name} were deleted since its defects were found: solve it again")

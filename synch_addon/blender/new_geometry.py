@@ -26,19 +26,15 @@ def new_mesh(name, points=_NO_POINTS, corners=_NO_CORNERS, sizes=None, smooth=Fa
 def fill_mesh(data, points, corners, sizes=None, smooth=False):
     """Put vertices and faces into a mesh datablock in place of what it has; its materials stay.
 
+    Raises SynchError before anything is changed: where a face has fewer than three corners or a vertex twice, where a
+    vertex does not exist, and where a place is not finite.
+
     Parameters
     ----------
-    data : bpy.types.Mesh
     points : (n, 3) places of the vertices
     corners : (f, k) vertices of faces that all have k corners; or (c,) of all faces, one after the other
     sizes : (f,) number of corners of each face, None where ``corners`` tells it
     smooth : whether faces are shaded smooth
-
-    Raises
-    ------
-    SynchError
-        before anything is changed: where a face has fewer than three corners or a vertex twice, where a vertex does not
-        exist, and where a place is not finite
     """
     checked = _check_arrays(data.name, points, corners, sizes)
     data.clear_geometry()
@@ -48,10 +44,7 @@ def fill_mesh(data, points, corners, sizes=None, smooth=False):
 def add_spline(data, points, kind="POLY", is_closed=False):
     """Add a spline through (n, 3) points to a curve datablock, and return it; knots of Bezier splines are smooth.
 
-    Raises
-    ------
-    SynchError
-        before anything is changed, where there are no points or one is not finite
+    Raises SynchError before anything is changed, where there are no points or one is not finite.
     """
     points = _finite(data.name, points)
     if len(points) == 0:

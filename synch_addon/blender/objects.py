@@ -55,13 +55,7 @@ class ObjectLink:
 
     @property
     def found(self):
-        """The object.
-
-        Raises
-        ------
-        SynchError
-            where it is gone
-        """
+        """The object. Raises SynchError where it is gone."""
         obj = self.present
         if obj is None:
             raise SynchError(f"the object {self.name} is gone: nothing was written")
@@ -72,9 +66,7 @@ class ObjectLink:
 class Selection:
     """What was active when work began, so that its result takes nothing from a user who has gone on meanwhile.
 
-    Attributes
-    ----------
-    active : number of the object, None where there was none
+    ``active``: number of the object, None where there was none.
     """
 
     active: int | None

@@ -43,10 +43,7 @@ def faces_of_object(obj, faces):
 def source_faces(obj):
     """(m,) the face of an object's own mesh that each face of its pattern's own surface is part of.
 
-    Raises
-    ------
-    SynchError
-        where that is made of what modifiers made of the object
+    Raises SynchError where that is made of what modifiers made of the object.
     """
     source = read(surface_of(obj), SOURCE_FACE)
     if source is None or source.max(initial=-1) >= len(obj.data.polygons):

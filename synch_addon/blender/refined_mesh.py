@@ -12,6 +12,8 @@ from .objects import SURFACE_MARK
 _DIRECTION = schema.DIRECTION.name
 # What Blender makes anew with the faces, and the normals, which are carried as vectors.
 _MADE_ANEW = ("position", "custom_normal")
+# Where triangles only lay side by side, normals within this cosine of their mean become one.
+_ALIKE = np.cos(np.radians(20))
 
 
 def refined_object(source, bound, owner, mark):
@@ -23,7 +25,6 @@ def refined_object(source, bound, owner, mark):
 
     Parameters
     ----------
-    source : bpy.types.Object in object mode
     bound : BoundSurface of its mesh
     owner : bpy.types.Object whose pattern the mesh is for
     mark : state of what the mesh is made of, for :data:`objects.SURFACE_MARK`
@@ -38,8 +39,9 @@ def refined_object(source, bound, owner, mark):
     made[SURFACE_MARK] = mark
     _carry_attributes(source, made, bound)
     _carry_normals(source, data, bound)
+    members = groups.read_members(source)
     for group in source.vertex_groups:
-        weights = groups.read_weights(source, group.name)[bound.parents]
+        weights = groups.read_weights(source, group.name, members=members)[bound.parents]
         groups.write_weights(made, group.name, np.einsum("vk,vk->v", bound.weights, weights))
     for attribute, values in zip(schema.PARENTS, bound.parents.T, strict=True):
         attributes.write(made, attribute, values)
@@ -107,7 +109,22 @@ def _carry_normals(source, data, bound):
     if not (source.data.has_custom_normals or is_smooth):
         return
     normals = attributes.read_all(source.data.corner_normals, "vector", 3, np.float32)
-    normals = np.einsum("ck,ckx->cx", bound.corner_weights, normals[bound.corner_parents])
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    normals = _unit(np.einsum("ck,ckx->cx", bound.corner_weights, normals[bound.corner_parents]))
+    if bound.welded and not source.data.has_custom_normals:
+        normals = _join_normals(normals, bound.corner_vertices)
     data.normals_split_custom_set(normals.tolist())
+
+
+def _join_normals(normals, vertices):
+    """Normals of corners, one at each vertex where they differ little: Blender marks edges between others as sharp."""
+    means = np.zeros((vertices.max() + 1, 3))
+    np.add.at(means, vertices, normals)
+    means = _unit(means)[vertices]
+    least = np.ones(len(means))
+    np.minimum.at(least, vertices, np.einsum("cx,cx->c", normals, means))
+    return np.where(least[vertices, None] > _ALIKE, means, normals)
+
+
+def _unit(vectors):
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)

@@ -12,11 +12,8 @@ class Registration:
     """Steps that register something, each with the step that takes it out again.
 
     Blender calls ``unregister`` of an extension twice where a script has asked for it at the end of the process, too;
-    the second call does nothing, as does registering again.
-
-    Parameters
-    ----------
-    steps : (register, unregister) pairs of functions without arguments
+    the second call does nothing, as does registering again. ``steps``: (register, unregister) pairs of functions
+    without arguments.
     """
 
     def __init__(self, *steps):

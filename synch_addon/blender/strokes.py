@@ -21,14 +21,10 @@ _SMOOTHED = 1.5
 def read_strokes(obj, name, given):
     """Curves of another object, projected to the surface: pairs of (p,) triangles and (p, 3) points.
 
-    Every polyline is sampled at half the mesh's shorter edges. What lies nearest to a curve off the surface jumps
-    from face to face: the ways there are averaged along it, over some edges. Works with curves, Grease Pencil and
-    meshes of edges, as they are seen, modifiers included; of a curve with thickness or fill the splines alone count.
-
-    Raises
-    ------
-    SettingError
-        when there is no such object, or it holds no curve, or one that is far too long for the mesh
+    Every polyline is sampled at half the mesh's shorter edges. What lies nearest to a curve off the surface jumps from
+    face to face: the ways there are averaged along it, over some edges. Works with curves, Grease Pencil and meshes of
+    edges, as they are seen, modifiers included; of a curve with thickness or fill the splines alone count. Raises
+    SettingError when there is no such object, or it holds no curve, or one that is far too long for the mesh.
     """
     source = bpy.data.objects.get(name)
     if source is None or source == obj:

@@ -13,13 +13,7 @@ _NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
 def shown_file(obj):
-    """The file that a volume object shows at the scene's present frame.
-
-    Raises
-    ------
-    SettingError
-        where it has none
-    """
+    """The file that a volume object shows at the scene's present frame. Raises SettingError where it has none."""
     volume = obj.data
     if not volume.filepath:
         raise SettingError(f"the volume {obj.name} has no file: save it as .vdb and choose that")
@@ -31,10 +25,7 @@ def shown_file(obj):
 def played_file(volume, frame):
     """The file that a volume shows at a frame of the scene, by Blender's own rule.
 
-    Raises
-    ------
-    SettingError
-        outside a sequence that is shown at its own frames alone, and for a file without a number
+    Raises SettingError outside a sequence that is shown at its own frames alone, and for a file without a number.
     """
     path = Path(bpy.path.abspath(volume.filepath, library=volume.library))
     found = _NUMBER.search(path.name)

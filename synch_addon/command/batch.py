@@ -13,15 +13,13 @@ import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
 from ...core.batch import child_loop
-from ...core.batch.process_pool import ProcessPool
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
 from ...core.batch.run import plan, run_rows
 from ...core.batch.sheet import write_sheet
 from ...core.batch.table import figures, write_tables
 from ...core.errors import SettingError, SynchError
-from ...core.files import pictures
-from ...core.files.whole import write_whole
+from ...core.files.whole import is_whole_image, write_whole
 from ..jobs.report import count_text, versions
 from .flags import Made, add_number, add_quiet
 from .process_exit import leave_now
@@ -104,7 +102,7 @@ def _run(options, way, shared, progress):
     if options.scheduler:
         crew = _cluster(options.scheduler, _SERVE, options.threads)
     else:
-        crew = ProcessPool(_command(), options.jobs, options.threads)
+        crew = child_loop.ProcessPool(_command(), options.jobs, options.threads)
     try:
         before, now = run_rows(rows, records, crew, options.retries, needed, progress, options.limit)
     finally:
@@ -184,7 +182,7 @@ def _make_small(picture, path):
     try:
         image.scale(_SMALL, max(round(_SMALL * image.size[1] / image.size[0]), 1))
         image.file_format = "JPEG"
-        with write_whole(path, pictures.is_whole) as made:
+        with write_whole(path, is_whole_image) as made:
             image.save(filepath=str(made), quality=_QUALITY)
     finally:
         bpy.data.images.remove(image)

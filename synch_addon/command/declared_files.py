@@ -38,10 +38,7 @@ SUMMARY = "summary.csv", "summary.json", "sheet.html"
 def declared_files(options):
     """The :class:`DeclaredFile` of all files of a command, those that it reads first.
 
-    Raises
-    ------
-    SettingError
-        for names that no file can have
+    Raises SettingError for names that no file can have.
     """
     files = [
         DeclaredFile(path, flag)

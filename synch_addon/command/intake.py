@@ -10,12 +10,13 @@ import numpy as np
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
+from ...core.geometry.check import FLAT_FACE
 from ..blender.new_geometry import new_mesh
 from ..blender.transaction import only_for_now
 
 # Corners on rims that are nearer to each other than this share of the diagonal are one; holes are closed whose rim is
-# shorter than this share of it, or has so few edges.
-_CRACK, _HOLE, _EDGES = 1e-4, 0.1, 4
+# shorter than this share of it, or has so few edges. Edges shorter than _FLAT of it make triangles without area.
+_CRACK, _HOLE, _EDGES, _FLAT = 1e-4, 0.1, 4, 1e-7
 UPS = ("X", "Y", "Z", "-X", "-Y", "-Z")
 
 
@@ -31,7 +32,7 @@ def mend(obj):
     """Make the mesh of an object one closed surface, as far as it is nearly so; returns what was done, in lines."""
     made = bmesh.new()
     made.from_mesh(obj.data)
-    lines = _close_rims(made)
+    lines = [*_dissolve_flat(made), *_close_rims(made)]
     parts = _bodies(made) if made.faces else []
     if lines:
         made.to_mesh(obj.data)
@@ -41,6 +42,17 @@ def mend(obj):
         lines.append(f"{len(meeting)} bodies that touch or overlap are one: {_unite(obj, parts, meeting)}")
     made.free()
     return lines
+
+
+def _dissolve_flat(made):
+    """Take out triangles without area."""
+    flat = sum(face.calc_area() <= FLAT_FACE * max(e.calc_length() for e in face.edges) ** 2 for face in made.faces)
+    if not flat:
+        return []
+    diagonal = float(np.linalg.norm(np.ptp([vertex.co for vertex in made.verts], axis=0)))
+    bmesh.ops.dissolve_degenerate(made, dist=_FLAT * diagonal, edges=made.edges[:])
+    bmesh.ops.triangulate(made, faces=made.faces[:])
+    return [f"{flat} triangles without area are taken out"]
 
 
 def _rims(made):

@@ -72,10 +72,7 @@ def _with_default(tip, record, default):
 def settings_of(options, kind, **apart):
     """The settings of a group that the flags of a command stand for; ``apart`` are values that are given otherwise.
 
-    Raises
-    ------
-    SettingError
-        for values that are not allowed, alone or together
+    Raises SettingError for values that are not allowed, alone or together.
     """
     values = {}
     for name, record in records(kind):

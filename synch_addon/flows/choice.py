@@ -2,6 +2,7 @@
 """The choice of a point of the sphere after a solve: other filaments and tubes of the same flow, without solving."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -9,7 +10,7 @@ import bpy
 
 from ...core.errors import SynchError
 from ...core.extract.vortices.tubes import NORTH
-from ...core.files.json_text import json_text
+from ...core.files.json_text import Json, json_text
 from ..blender.objects import no_object
 from ..blender.transaction import assign, at_the_end, undone_by, whole_or_nothing
 from . import memory
@@ -41,7 +42,13 @@ def finish(solved, filled, objects, start):
     return report
 
 
-def choose_point(obj, point=None, *, opening=None, smoothing=None):
+def choose_point(
+    obj: bpy.types.Object,
+    point: Sequence[float] | None = None,
+    *,
+    opening: float | None = None,
+    smoothing: int | None = None,
+) -> Json:
     """Show the vortices that another point of the sphere gives, from the solve that an object shows (Section 4.6).
 
     All objects of that solve follow: filaments are where the map to the sphere shows the point's antipode, tubes
@@ -54,14 +61,9 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     opening : degrees around the antipode that are inside a tube; None for what was chosen before
     smoothing : how often points move to the middle of their neighbours; None as before
 
-    Returns
-    -------
-    dict, the report; its energy is that of the filaments that are shown
+    Returns the report; its energy is that of the filaments that are shown.
 
-    Raises
-    ------
-    SynchError
-        with one line that says what is wrong and the remedy; nothing is changed
+    Raises SynchError with one line that says what is wrong and the remedy; nothing is changed.
     """
     start = time.perf_counter()
     reason = no_object(obj)

@@ -18,10 +18,7 @@ def flow_of(context, filepath):
     """What vortices are shown of: a file, the active volume, or what is selected; of filaments and tubes that were
     made of a flow, what they were made of.
 
-    Raises
-    ------
-    SynchError
-        when there is none of these
+    Raises SynchError when there is none of these.
     """
     if filepath:
         return bpy.path.abspath(filepath)

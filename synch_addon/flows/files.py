@@ -7,6 +7,7 @@ import bpy
 
 from ...core.errors import SettingError
 from ...core.files.filaments import WRITERS, filament_shape, table_of, tube_shape
+from ...core.files.json_text import Json
 from ...core.files.whole import unwritten, write_text, write_whole
 from ...core.validation import check_path
 from ..blender.files import check_output
@@ -17,7 +18,7 @@ TABLE, SCENE = ".csv", ".abc"
 SUFFIXES = (TABLE, *WRITERS, SCENE)
 
 
-def filament_export(obj, path):
+def filament_export(obj: bpy.types.Object, path: str | Path) -> Json:
     """Write the filaments, or the tubes, that an object shows to a file, in the flow's coordinates.
 
     Filaments are written in one piece each, with what the report says of them in .csv, .vtp and .vtk. Alembic holds the
@@ -28,14 +29,9 @@ def filament_export(obj, path):
     obj : object that was made for the filaments or the tubes of a flow in space
     path : .vtp, .vtk, .ply, .obj, .abc, and of filaments .csv; // is the folder of the .blend
 
-    Returns
-    -------
-    dict with `filaments` or `tubes` (their number) and `files`
+    Returns a dict with `filaments` or `tubes` (their number) and `files`.
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy
+    Raises SynchError with one line that names the element and the remedy.
     """
     reason = no_object(obj)
     if reason:

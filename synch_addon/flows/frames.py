@@ -27,10 +27,7 @@ def flow_frames(source, first, last, attribute=VELOCITY):
     first, last : frames of the scene
     attribute : grid of a volume, as :func:`flow_source` has it
 
-    Raises
-    ------
-    SettingError
-        for a source without frames, and naming the first file that is missing
+    Raises SettingError for a source without frames, and naming the first file that is missing.
     """
     module = module_file()
     if isinstance(source, str | Path):

@@ -2,10 +2,15 @@
 """Vortices of a flow as objects: filaments as a curve, tubes as a mesh coloured by the sphere (paper, Section 3.6)."""
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Unpack
 
+import bpy
+
 from ...core.fields.loops import flow_helicity, loop_error
+from ...core.files.json_text import Json
+from ...core.monitor import Callback
 from ...core.settings.flow import FlowSettings
 from ...core.settings.keywords import FlowKeywords
 from ...core.tasks.flows import FlowRequest
@@ -52,7 +57,11 @@ class ClebschJob:
             return finish(solved, Filled(told, fill), made, self._start)
 
 
-def clebsch(source, callback=None, **settings: Unpack[FlowKeywords]):
+def clebsch(
+    source: str | Path | bpy.types.Object | Sequence[bpy.types.Object],
+    callback: Callback | None = None,
+    **settings: Unpack[FlowKeywords],
+) -> Json:
     """Show the vortices of a flow.
 
     Parameters
@@ -62,14 +71,9 @@ def clebsch(source, callback=None, **settings: Unpack[FlowKeywords]):
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`FlowSettings`
 
-    Returns
-    -------
-    dict, the report
+    Returns the report.
 
-    Raises
-    ------
-    SynchError
-        with one line that says what is wrong and the remedy; nothing is written
+    Raises SynchError with one line that says what is wrong and the remedy; nothing is written.
     """
     return run(job_for(source, from_names(FlowSettings, settings)), callback)
 

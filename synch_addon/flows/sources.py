@@ -41,10 +41,7 @@ def volume_source(obj, attribute):
 def objects_of(source):
     """The objects that a source other than a file is: one, or several.
 
-    Raises
-    ------
-    SettingError
-        for anything else
+    Raises SettingError for anything else.
     """
     objects = [source] if isinstance(source, bpy.types.Object) else source
     objects = list(objects) if isinstance(objects, Iterable) else []

@@ -35,10 +35,7 @@ class SurfaceJob:
     def write(self, result):
         """Write the map to the mesh, which is made for a plane; returns the report.
 
-        Raises
-        ------
-        SynchError
-            when the object is gone or has changed since it was read; nothing is written
+        Raises SynchError when the object is gone or has changed since it was read; nothing is written.
         """
         surface = self._surface
         result = replace(result, warnings=surface.warnings)

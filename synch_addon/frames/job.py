@@ -17,7 +17,9 @@ from ...core.errors import MeshError, SettingError, SynchError, quote_value
 from ...core.fields import given_directions
 from ...core.fields.animation import carry_angles
 from ...core.fields.directions import DirectionField
+from ...core.files.json_text import Json
 from ...core.interpolate import face_phases
+from ...core.monitor import Callback
 from ...core.settings.keywords import SurfaceKeywords
 from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ...core.tasks.animation import FramesRequest, fresh, in_frame
@@ -30,15 +32,24 @@ from ..blender.schema import BARYCENTRIC, DIRECTION, SINGULARITY
 from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from ..jobs.report import Report
+from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree
 from ..nodes.materials import pattern_material
 from ..patterns import frame_attributes, memory, numbers, own_surface, write
 from ..reading.surface import gather, settings_for
-from . import nodes
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
 HOLD = 0.1
 # Frames that are read and kept at once: more than an hour.
 MOST_FRAMES = 100_000
+
+# The modifier's node group: its version and sockets.
+_GROUP_VERSION = 1
+_INPUTS = (
+    Socket("Geometry", "Geometry", "A mesh with a pattern for each frame"),
+    Socket("First", "Int", "First frame that has a pattern: it is shown before it, too", 1),
+    Socket("Last", "Int", "Last frame that has a pattern: it is shown after it, too", 1),
+)
+_OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with the pattern of this frame"),)
 
 
 @dataclass(frozen=True)
@@ -76,7 +87,14 @@ class Span:
         return range(self.first, self.last + 1)
 
 
-def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings: Unpack[SurfaceKeywords]):
+def animate(
+    obj: bpy.types.Object,
+    callback: Callback | None = None,
+    frames: Sequence[int] | None = None,
+    pattern: str = "stripes",
+    hold: float = HOLD,
+    **settings: Unpack[SurfaceKeywords],
+) -> Json:
     """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
 
     Parameters
@@ -193,7 +211,7 @@ class AnimationJob:
         write_defects(obj, [])  # they move
         all_faces = self._settings.assign_material or write.has_one_material(obj)
         pattern_material(obj, self._span.pattern, spacing=spacing, assign_faces=all_faces)
-        nodes.add_frames(obj, self._span.pattern, self._span.first, self._span.last)
+        _add_frames(obj, self._span.pattern, self._span.first, self._span.last)
         memory.show_nothing(obj)
         numbers.remove_numbers(obj)
         meshes.update(obj)
@@ -247,13 +265,14 @@ def _rest_directions(obj, settings, span, base):
     if settings.exact_attribute is None:
         return None
     request = gather(span.pattern, obj, settings, base)
-    return given_directions(request.given.mesh, SYMMETRY_ORDERS[settings.symmetry], request.directions)
+    return given_directions(request.given.mesh, SYMMETRY_ORDERS[settings.symmetry], request.source.directions)
 
 
 def _following(request, rest):
     """The request along directions at rest that have gone along."""
     mesh = request.given.mesh
-    return replace(request, directions=DirectionField(mesh, 1, carry_angles(rest.angles, rest.mesh, mesh)).vectors)
+    vectors = DirectionField(mesh, 1, carry_angles(rest.angles, rest.mesh, mesh)).vectors
+    return replace(request, source=replace(request.source, directions=vectors))
 
 
 def _changing(obj, base):
@@ -265,3 +284,55 @@ def _changing(obj, base):
             if not meshes.has_faces(meshes.read_polygons(seen), base):
                 return modifier.name
     return "that deforms it"
+
+
+# The modifier
+
+
+def _frames_group(kind):
+    """The group "Synch Frames" of stripes or "Synch Quad Frames", built when missing, rebuilt when outdated.
+
+    It stores the attributes of the scene's frame, ``synch_phase.12`` and so on, under the plain names that materials
+    and reliefs read. It needs no driver and no script: a render farm shows what the viewport shows.
+    """
+    tree, canvas = group_tree(modifiers.FRAMES[kind], f"{_GROUP_VERSION}", _INPUTS, _OUTPUTS, GeometryCanvas)
+    if canvas is None:
+        return tree
+    tree.is_modifier = True
+    with canvas.band("Frame"):
+        inputs = canvas.inputs()
+        time = canvas.node("GeometryNodeInputSceneTime", 0)
+        frame = canvas.math("ROUND", Expression(canvas, time.outputs["Frame"], 0))
+        frame = frame.maximum(inputs["First"]).minimum(inputs["Last"]).named("frame")
+        text = canvas.node("FunctionNodeValueToString", 4, "frame", inputs={"Value": frame, "Decimals": 0})
+        text = Expression(canvas, text.outputs["String"], 4)
+    geometry = inputs["Geometry"]
+    for name, (domain, data_type) in frame_attributes.frame_layout(kind).items():
+        with canvas.band(name):
+            geometry = _stored(canvas, geometry, text, name, domain, data_type)
+    canvas.outputs(Geometry=geometry)
+    return tree
+
+
+def _stored(canvas, geometry, text, name, domain, data_type):
+    """The geometry with a frame's attribute under its plain name; one that is missing is zero."""
+    replaced = {"String": frame_attributes.frame_name(name, "#"), "Find": "#", "Replace": text}
+    of_frame = canvas.node("FunctionNodeReplaceString", 6, f"{name} of frame", inputs=replaced)
+    read_type = "FLOAT_VECTOR" if data_type == "FLOAT2" else data_type  # two numbers are read as a vector
+    read = canvas.node("GeometryNodeInputNamedAttribute", 7, data_type=read_type)
+    canvas.connect(Expression(canvas, of_frame.outputs["String"], 6), read.inputs["Name"])
+    return canvas.stored(geometry, name, (domain, data_type), Expression(canvas, read.outputs["Attribute"], 7), 8)
+
+
+def _add_frames(obj, kind, first, last):
+    """Give an object the modifier, before the first one that changes its faces; returns the modifier."""
+    group = _frames_group(kind)
+    add_modifier(obj, group, {"First": first, "Last": last})
+    others = (
+        n
+        for n, other in enumerate(obj.modifiers)
+        if modifiers.changes_faces(other) and not modifiers.shows_frames(other)
+    )
+    place = next(others, len(obj.modifiers) - 1)
+    obj.modifiers.move(len(obj.modifiers) - 1, place)
+    return obj.modifiers[place]

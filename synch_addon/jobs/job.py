@@ -14,23 +14,17 @@ fails. A job also has
 """
 
 from ...core.errors import SettingError, quote_value
+from ...core.files.json_text import Json
 from ...core.monitor import Monitor, portion
 
 # Share of the work that reading in pieces is.
 READING = 0.1
 
 
-def run(job, progress=None):
-    """Solve and write here and now; returns the report.
+def run(job, progress=None) -> Json:
+    """Solve and write here and now; returns the report. Raises SynchError, with nothing written.
 
-    Parameters
-    ----------
-    progress : callable(stage, fraction) -> bool, optional; False cancels
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
+    ``progress``: callable(stage, fraction) -> bool, optional; False cancels.
     """
     if progress is not None and not callable(progress):
         raise SettingError(

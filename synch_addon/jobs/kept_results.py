@@ -41,17 +41,9 @@ def result_line(report):
 
 
 def read_result(line, name):
-    """The dict that :func:`result_line` made; {} for "".
+    """The dict that :func:`result_line` made; {} for "". Raises SettingError where others have spoilt it.
 
-    Parameters
-    ----------
-    line : str
-    name : of the object
-
-    Raises
-    ------
-    SettingError
-        where others have spoilt it
+    ``name``: of the object.
     """
     found = read_kept_dict(line, f"the result that {name} keeps", _VALUES)
     for kind, count in found.get("carrier", {}).items():

@@ -51,9 +51,7 @@ class LruCache:
 class ObjectCache:
     """A shelf with a place for each object.
 
-    Parameters
-    ----------
-    most : objects, the latest ones
+    ``most``: objects, the latest ones.
     """
 
     def __init__(self, most):
@@ -64,13 +62,7 @@ class ObjectCache:
         self._shelf.put(obj.session_uid, solved)
 
     def get(self, obj):
-        """What is kept for an object.
-
-        Raises
-        ------
-        SynchError
-            where there is nothing
-        """
+        """What is kept for an object. Raises SynchError where there is nothing."""
         if not self.holds(obj):
             kept = f"kept for the last {self._shelf.most} objects while the file is open"
             raise SynchError(f"{obj.name} has no solve in memory ({kept}): solve it first")

@@ -133,12 +133,8 @@ class Queue:
     def add(self, job, label, is_quiet=False):
         """Put a job at the end of the row; returns its :class:`Work`.
 
-        A quiet one is over soon: nothing is said of it, and others of its object wait for it like for any other.
-
-        Raises
-        ------
-        SynchError
-            where the row has one of its object
+        A quiet one is over soon: nothing is said of it, and others of its object wait for it like for any other. Raises
+        SynchError where the row has one of its object.
         """
         if job.link is not None and self.holds(job.link):
             raise SynchError(f"{job.link.name} is being solved: wait for it, or cancel it")

@@ -17,7 +17,6 @@ from ...core.memory import peak_megabytes
 from ...core.solution import Clock
 from ..blender.meshes import measured_key
 from ..blender.modifiers import changing_modifiers
-from ..settings.fields import default_shares
 
 
 class Report:
@@ -79,37 +78,8 @@ class Report:
                 )
         elif self.command != "animate":  # which reads the mesh behind its modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
-        rows = self.settings.all_constraints
-        unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
-        if self.settings.exact_attribute and unheard:
-            self.warn(
-                f"directions that an attribute gives are taken as they are, without {', '.join(unheard)}: "
-                f"give it a strength (attribute:{self.settings.exact_attribute}=1) where rows should turn them"
-            )
-        given = [row.label for row in rows if row.what == "phase" and row.where == "attribute"]
-        if given and self.settings.symmetry == "line" and not self.settings.exact_attribute:
-            self.warn(
-                f"phases of {', '.join(given)} are meant for the directions that they were written with: "
-                "guide by attribute:synch_direction without a strength"
-            )
-        striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
-        if np.any(request.turn) and striped:
-            self.warn(f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0")
-        if self.settings.exact_attribute and self.settings.mirror:
-            self.warn(
-                "directions that an attribute gives are taken as they are, without the mirror: "
-                f"give it a strength (attribute:{self.settings.exact_attribute}=1) where they should be mirrored"
-            )
-        usual = default_shares(self.command)["singularities"]
-        if self.settings.exact_attribute and self.settings.singularities < usual:
-            self.warn(
-                "directions that an attribute gives are taken as they are, with all their singular points: give it a "
-                f"strength (attribute:{self.settings.exact_attribute}=1) where there should be fewer"
-            )
-        if self.settings.exact_attribute and self.settings.pins:
-            self.warn("directions that an attribute gives are taken as they are, without the pins: give it a strength")
-        if np.any(request.turn) and self.settings.mirror:
-            self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
+        for line in request.settings.unheeded(request.command, bool(np.any(request.turn))):
+            self.warn(line)
         if self.command != "quad_mesh" and refinement is None:
             self.warn_of_users(obj, "the pattern")
 

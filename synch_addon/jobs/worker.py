@@ -18,15 +18,13 @@ import bpy
 
 from ...core.errors import SynchError
 from ...core.process.child import TOO_MUCH_MEMORY, UNREADABLE
-from ...core.process.ipc import MARK, BrokenParcel, Unpacker, pack_parts
+from ...core.process.ipc import CHUNK, BrokenParcel, Unpacker, pack_parts, start_child
 from ...core.tasks import versions
 
-# Seconds that one look at the pipes takes at most, and bytes that are read at once.
-_SLICE, _CHUNK = 0.02, 1 << 20
+# Seconds that one look at the pipes takes at most.
+_SLICE = 0.02
 # Seconds that a child has to end after it has closed its pipe.
 _FAREWELL = 0.5
-# What a Blender that is the child may say of itself before its first message.
-_MOST_NOISE = 1 << 16
 # The package that holds ``core`` and ``synch_addon``, and where it is.
 _PACKAGE, _FOLDER = __package__.removesuffix(".synch_addon.jobs"), Path(__file__).parents[2]
 # The child has the package under the name that it has here, so that what is pickled there is known here, without what
@@ -48,31 +46,19 @@ class WorkerGone(SynchError):
 
 
 class Worker:
-    """A child process that solves one request after the other.
+    """A child process that solves one request after the other. Raises WorkerGone where it cannot be started.
 
-    Parameters
-    ----------
-    limit : bytes of memory that it may take
-
-    Raises
-    ------
-    WorkerGone
-        where it cannot be started
-
-    Attributes
-    ----------
-    is_ready : whether it has loaded all that it needs
+    ``limit``: bytes of memory that it may take. ``is_ready``: whether it has loaded all that it needs.
     """
 
     def __init__(self, limit):
         self.limit = limit
-        self.is_ready, self._noise, self._unpacker, self._gone = False, b"", Unpacker(), None
+        self.is_ready, self._unpacker, self._gone = False, Unpacker(after_noise=True), None
         self._outgoing: deque = deque()
         self._kept = ()
         command = [*_python(), _PACKAGE, str(_FOLDER), str(limit)]
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
         try:
-            self._child = subprocess.Popen(command, env=_environment(), **pipes, **_alone())
+            self._child = start_child(command, _environment(), is_low=True)
         except OSError as error:
             raise WorkerGone(f"the process that solves cannot be started: {command[0]}: {error.strerror}") from None
         self._input, self._output = self._child.stdin.fileno(), self._child.stdout.fileno()
@@ -98,10 +84,7 @@ class Worker:
     def exchange(self):
         """Go on telling, and hear what it says; returns its messages, see :mod:`core.process.child`.
 
-        Raises
-        ------
-        WorkerGone
-            with one line that says why
+        Raises WorkerGone with one line that says why.
         """
         if self._gone is not None:
             raise self._gone
@@ -144,7 +127,7 @@ class Worker:
         written = 0
         try:
             while self._outgoing and time.monotonic() < end:
-                count = os.write(self._input, self._outgoing[0][:_CHUNK])
+                count = os.write(self._input, self._outgoing[0][:CHUNK])
                 self._outgoing[0] = self._outgoing[0][count:]
                 if not len(self._outgoing[0]):
                     self._outgoing.popleft()
@@ -158,26 +141,15 @@ class Worker:
     def _read(self, messages):
         """Read what is there; returns how much."""
         try:
-            data = os.read(self._output, _CHUNK) if _has_data(self._output) else None
+            data = os.read(self._output, CHUNK) if _has_data(self._output) else None
         except BlockingIOError:
             data = None
         if data is None:
             return 0
         if not data:
             raise WorkerGone(self._last_words())
-        messages += self._unpacker.feed(self._without_noise(data))
+        messages += self._unpacker.feed(data)
         return len(data)
-
-    def _without_noise(self, data):
-        if self._noise is None:
-            return data
-        self._noise += data
-        start = self._noise.find(MARK)
-        if start < 0 and len(self._noise) > _MOST_NOISE:
-            raise BrokenParcel("it does not begin as a message")
-        data = self._noise[start:] if start >= 0 else b""
-        self._noise = None if start >= 0 else self._noise
-        return data
 
     def _is_greeting(self, message):
         if message[0] != "ready":
@@ -220,14 +192,6 @@ def _environment():
     kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     folders = [folder for folder in sys.path if folder and Path(folder).exists()]
     return kept | {"PYTHONPATH": os.pathsep.join(folders), "PYTHONNOUSERSITE": "1", "PYTHONSAFEPATH": "1"}
-
-
-def _alone():
-    """How the child is kept apart: no console, and no Ctrl-C that is meant for its parent."""
-    if sys.platform == "win32":
-        flags = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
-        return {"creationflags": flags | subprocess.BELOW_NORMAL_PRIORITY_CLASS}
-    return {"process_group": 0}  # but its parent's session: Linux lets no process go behind those of another
 
 
 def _has_data(pipe):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...core.errors import SettingError, quote_value
+from ...core.refinement.spacing import automatic_spacing, lines_in_period
 from ...core.validation import convert_value
 from ..blender import meshes
 from ..blender.pattern_surface import surface_of
@@ -15,7 +16,6 @@ from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import new_material, show_material
 from ..nodes.stripe_profiles import NUMBER
 from ..patterns import memory, numbers
-from ..reading.surface import automatic_spacing
 from . import looks
 
 # Custom property of a material: the preset that it was made for.
@@ -83,7 +83,7 @@ def fits(obj, preset):
 def solve_settings(obj, preset):
     """Settings of the solve that a preset is made for, its spacing included."""
     with meshes.object_mode(obj):
-        spacing = automatic_spacing(preset.kind, meshes.read_mesh(obj).mesh, preset.across)
+        spacing = automatic_spacing(meshes.read_mesh(obj).mesh, lines_in_period(preset.kind), preset.across)
     return {"symmetry": "line", "guidance": "smooth", **preset.settings, "spacing": spacing}
 
 

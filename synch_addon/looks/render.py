@@ -12,8 +12,7 @@ import numpy as np
 from mathutils import Euler, Matrix, Vector
 
 from ...core.errors import MeshError, SettingError
-from ...core.files.pictures import is_whole
-from ...core.files.whole import unwritten, write_whole
+from ...core.files.whole import is_whole_image, unwritten, write_whole
 from ..blender.attributes import read_all
 from ..blender.defect_empties import KINDS, defect_empties
 from ..blender.new_geometry import new_mesh
@@ -82,7 +81,7 @@ def picture_scene(obj, *, resolution, markers, edges, view):
 
 def render_scene(scene, path, resolution, samples):
     """Render a picture's scene to an image file; arguments and errors as of :func:`render_picture`."""
-    with write_whole(path, is_whole) as made:
+    with write_whole(path, is_whole_image) as made:
         _set_up_render(scene, made, resolution, samples)
         try:
             bpy.ops.render.render(write_still=True, scene=scene.name)

@@ -76,10 +76,7 @@ def take_over_look(obj, other):
 def kept_spacing(obj):
     """The length of a period that an object keeps, in scene units; None where it keeps none.
 
-    Raises
-    ------
-    SettingError
-        for a value that others have written there
+    Raises SettingError for a value that others have written there.
     """
     spacing = obj.get(SPACING)
     if spacing is None:

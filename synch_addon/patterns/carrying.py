@@ -80,10 +80,7 @@ def _along(canvas, phase):
 def add_carry(obj):
     """Give an object's stripes or quads the modifier, after all others, or renew the one that it has; returns it.
 
-    Raises
-    ------
-    SynchError
-        where there is no pattern
+    Raises SynchError where there is no pattern.
     """
     kind = pattern_kind(obj)
     if kind is None:

@@ -19,14 +19,8 @@ _digests = LruCache(64)
 def curves_read(obj, settings):
     """For each curve object that settings of a mesh object speak of, what is equal as long as it looks the same.
 
-    Parameters
-    ----------
-    obj : bpy.types.Object
-    settings : SurfaceSettings, with the constraint list
-
-    Returns
-    -------
-    tuple of (name, digest of its lines, its transform in the space of the mesh object)
+    ``settings``: SurfaceSettings, with the constraint list. Returns tuple of (name, digest of its lines, its transform
+    in the space of the mesh object).
     """
     names = {row.name for row in settings.constraints if row.where == "curve"}
     names |= {source.name for source in settings.sources if source.kind in ("distance", "offset")}

@@ -22,14 +22,7 @@ from .write import SAME
 def keep(obj, name=""):
     """Keep what an object's stripes or quads show under a name, or one that says which variation it is.
 
-    Returns
-    -------
-    str, the name: another one where it is taken
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is kept
+    Returns str, the name: another one where it is taken. Raises SynchError, with nothing kept.
     """
     meshes.refuse(obj)
     result = read_result(obj.synch.result, obj.name)
@@ -57,12 +50,8 @@ def keep(obj, name=""):
 def show(obj, name):
     """Show a favourite; returns what :func:`kept_results.result_line` keeps of it, as a dict.
 
-    Where it comes from the solve that is in memory, that stays there, and the slider goes on from it.
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
+    Where it comes from the solve that is in memory, that stays there, and the slider goes on from it. Raises
+    SynchError, with nothing written.
     """
     meshes.refuse(obj)
     favourite = _favourite(obj, name)
@@ -108,7 +97,7 @@ def _solve_of(obj, request, field):
         return None
     same = solved.request.command == request.command and len(solved.field.angles) == len(field.angles)
     same = same and np.array_equal(solved.request.spacings, request.spacings)
-    same = same and solved.request.branching == request.branching
+    same = same and solved.request.settings.branching == request.settings.branching
     same = same and np.abs(solved.field.scale - field.scale).max() < SAME
     return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < SAME else None
 

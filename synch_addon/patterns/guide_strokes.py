@@ -95,7 +95,6 @@ def add(obj, lines, wish, weight):
 
     Parameters
     ----------
-    obj : bpy.types.Object
     lines : list of (k, 3) knots in the object's space
     wish : "ALONG", "ACROSS" or "PHASE"
     weight : None for strokes that are held exactly
@@ -112,10 +111,7 @@ def add(obj, lines, wish, weight):
 def replace(obj, lines):
     """Give strokes of a mesh object other points.
 
-    Parameters
-    ----------
-    obj : bpy.types.Object
-    lines : dict of (k, 3) knots in the object's space, by the strokes' keys
+    ``lines``: dict of (k, 3) knots in the object's space, by the strokes' keys.
     """
     with whole_or_nothing():
         for curve, numbers in _by_curve(lines):

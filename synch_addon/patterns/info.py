@@ -4,12 +4,10 @@
 import numpy as np
 
 from ...core.errors import MeshError
-from ...core.fields.target_one_form import COARSE_SHARE
 from ...core.graphs import components
-from ...core.refinement.spacing import EDGES_PER_PERIOD
+from ...core.refinement.spacing import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing, lines_in_period
 from ..blender.meshes import read_mesh
 from ..jobs.report import versions
-from ..reading.surface import automatic_spacing
 
 
 def describe(obj):
@@ -39,7 +37,7 @@ def describe(obj):
             "median": float(np.median(mesh.edge_lengths)),
             "longest": float(mesh.edge_lengths.max()),
         },
-        "automatic_spacing": automatic_spacing("stripes", mesh),
+        "automatic_spacing": automatic_spacing(mesh, lines_in_period("stripes")),
         "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 1 - COARSE_SHARE)),
         "carrier": given.finding_counts,
         "versions": versions(),

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SynchError
+from ...core.files.json_text import Json
 from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
 from ..blender.pattern_surface import surface_of
@@ -35,11 +36,11 @@ class FieldJob:
         self._report = Report(command, obj, settings)
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
-            self._refinement, given = refinement_of(command, obj, settings)
+            self._refinement, read = refinement_of(command, obj, settings)
             with solved_object(obj, self._refinement) as surface:
                 self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
                 settings = self._report.settings = replace(settings, pins=self._pins)
-                self.request = gather(command, surface, settings, given=given)
+                self.request = gather(command, surface, settings, read=read)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
 
@@ -66,7 +67,7 @@ def _refuse_changed(obj, is_unchanged):
         raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
 
 
-def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True, instead=False):
+def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True, instead=False) -> Json:
     """Write a field and remember it as variation ``number`` of its solve, made by ``change``; returns the report.
 
     Numbers of stripes stay as they are where they are not to be renewed, for :func:`numbers.renew_shown`. It is kept
@@ -111,7 +112,7 @@ def show(obj, request, field, pattern, report, renumber=True):
     """
     frame_attributes.remove_frames(obj)
     defects, polygons = write.results(obj, request, field, pattern, report)
-    request = replace(request, given=replace(request.given, polygons=polygons))
+    request = request.on_mesh(replace(request.given, polygons=polygons))
     if renumber:
         numbers.renew_numbers(obj, request, pattern)
     return defects, request
@@ -125,7 +126,7 @@ def _remember(obj, solved, instead=False):
     memory.remember(obj, line, solved, instead)
 
 
-def write_quads(obj, request, result, report, selection, surface, replaced=None):
+def write_quads(obj, request, result, report, selection, surface, replaced=None) -> Json:
     """Make the quad mesh's object, or give ``replaced`` its faces, with what the object ``surface`` carries that was
     solved on; returns the report."""
     with report.clock("write"):

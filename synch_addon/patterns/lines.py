@@ -11,8 +11,8 @@ from mathutils import Matrix
 from ...core.errors import SettingError
 from ...core.extract.lines.isolines import End
 from ...core.extract.lines.isolines import isolines as traced_lines
+from ...core.files.json_text import Json
 from ...core.geometry.barycentric import barycentric
-from ...core.geometry.nearest import NearestTriangles
 from ..blender.new_geometry import add_spline
 from ..jobs.report import count_text, versions
 
@@ -25,7 +25,7 @@ _STEP = 0.5
 _VERTICAL = 1e-4
 
 
-def write(obj, request, pattern, settings):
+def write(obj, request, pattern, settings) -> Json:
     """Make the curve object of a pattern's lines beside a mesh object; returns the report.
 
     It has the place and turn of the mesh object, and the scale is in its points, so that tubes are round and lengths
@@ -73,7 +73,7 @@ def smooth_lines(lines, times):
         step = _STEP * (0.5 * (points[following] + points[previous]) - points)
         step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
         points[free] += step[free]
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points[free])
+    places, triangles = mesh.finder.nearest(points[free])
     moved = replace(lines, triangles=lines.triangles.copy(), weights=lines.weights.copy())
     moved.triangles[free], moved.weights[free] = triangles, barycentric(mesh, triangles, places)
     return moved

@@ -2,7 +2,8 @@
 """Live: what an object shows follows its settings, while they are dragged, curves that are drawn, and painted maps.
 
 A timer looks whether the settings of the active object ask for something else than it shows. The newest of them are
-solved for, from what is shown; until that is written, others wait, and what takes long is ended for them.
+solved for, from what is shown; until that is written, others wait, and what takes long is ended for them. When the hand
+rests, the pattern settles: a new one of less energy fades in, and a whole solve that starts from it takes its place.
 """
 
 import time
@@ -14,7 +15,7 @@ from bpy.props import BoolProperty
 
 from ...core.errors import Cancelled, SynchError
 from ...core.solve.warm_start import Follower
-from ...core.tasks.live import LiveRequest
+from ...core.tasks.live import ANEW, NEAR, LiveRequest
 from ...core.tasks.surfaces import SHOWN
 from ..blender.objects import ObjectLink
 from ..blender.pattern_surface import surface_of
@@ -28,8 +29,11 @@ from . import memory, own_surface
 from .curves_read import curves_read
 from .job import write_result
 
-# Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change.
-_TICK, _PATIENCE, _REST = 0.03, 0.7, 0.6
+# Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change; in
+# which a new pattern fades in.
+_TICK, _PATIENCE, _REST, _FADE = 0.03, 0.7, 0.33, 0.4
+# A new pattern fades in where its energy is below this share of the shown one's.
+_BETTER = 0.97
 # What a pattern does not depend on, but its search, its faces and quad meshes do.
 _OF_OTHERS = ("method", "rounding", "target_gap", "seed", "features", "smoothing", "faces", "loops", "strict")
 # What directions do not depend on, but for their turn.
@@ -42,15 +46,16 @@ class LiveJob:
 
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
     settings : as of :func:`settings_for`
     shown : :class:`memory.Solved` that it shows
     followers : of the directions and of the pattern
     instead : whether the result is kept instead of what is shown
     is_painted : whether maps may be other ones than those that were read for what is shown
+    settles : as of :class:`LiveRequest`
+    turned_only : of what settles, whether directions have only been turned since the last solve
     """
 
-    def __init__(self, obj, settings, shown, followers, instead, is_painted=False):
+    def __init__(self, obj, settings, shown, followers, instead, is_painted=False, settles="", turned_only=True):
         self.link, self._shown, self._instead = ObjectLink.to(obj), shown, instead
         self._report = Report(shown.request.command, obj, settings)
         before, given = shown.report.settings, shown.request.given
@@ -64,21 +69,23 @@ class LiveJob:
         same = {name: getattr(before, name) for name in _OF_PATTERNS}
         slim = replace(field, solution=None, problem=None)
         turns_only = not is_painted and self._report.curves_read == shown.report.curves_read
-        turns_only &= replace(settings, **same) == before
-        self.request = LiveRequest(self._asked, slim, pattern.phases, turns_only, followers)
+        turns_only &= turned_only and replace(settings, **same) == before
+        self.request = LiveRequest(self._asked, slim, pattern.phases, turns_only, followers, settles)
 
-    def write(self, result):
-        """Write the result to the object at once; returns the report."""
-        obj, shown = self.link.found, self._shown
-        if self.request.turns_only:
+    def write(self, result, share=1.0):
+        """Write the result, or a share of the way to it, to the object at once; returns the report."""
+        obj, shown, report = self.link.found, self._shown, self._report
+        if share < 1:
+            result, report = self.request.mixed(result, share), report.again()
+        if result.field.solution is None:
             field = replace(result.field, solution=shown.field.solution, problem=shown.field.problem)
             result = replace(result, field=field)
-        self._report.take(result)
+        report.take(result)
         with whole_or_nothing():
             if not own_surface.is_unchanged(obj, self._asked.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             pair = result.field, result.pattern
-            return write_result(obj, self._asked, *pair, self._report, instead=self._instead)
+            return write_result(obj, self._asked, *pair, report, instead=self._instead)
 
 
 def _cuts(settings):
@@ -91,8 +98,9 @@ def from_shown(obj, request):
         return request
     shown = memory.state(obj)
     before = shown.request
-    of_kind = (before.command, before.symmetry) == (request.command, request.symmetry) and request.command in SHOWN
-    if not of_kind or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles):
+    triangles, asked = before.given.mesh.triangles, request.given.mesh.triangles
+    of_kind = (before.command, before.settings.symmetry) == (request.command, request.settings.symmetry)
+    if request.command not in SHOWN or not of_kind or not np.array_equal(triangles, asked):
         return request
     return replace(request, start=(shown.field.angles - shown.field.turn, shown.pattern.phases))
 
@@ -100,9 +108,7 @@ def from_shown(obj, request):
 class _Live:
     """Follows the settings of the active object while it is on.
 
-    Attributes
-    ----------
-    error : why nothing can follow, in one line, or ""
+    ``error``: why nothing can follow, in one line, or "".
     """
 
     def __init__(self):
@@ -111,8 +117,8 @@ class _Live:
     def clear(self):
         """Follow nothing, and keep nothing."""
         self.error = ""
-        self._work = self._asked_last = self._shown = self._changed = None
-        self._is_painted = False
+        self._work = self._asked_last = self._shown = self._changed = self._fade = None
+        self._is_painted, self._turned_only, self._stages = False, True, []
         self._mesh, self._followers = None, (Follower(), Follower())
 
     def step(self, context):
@@ -139,11 +145,12 @@ class _Live:
         asked = self._asked(obj, shown)
         known = (shown.report.settings, shown.report.curves_read), self._asked_last
         if asked is None or (asked in known and not self._is_painted):
-            self._settle()
+            if self._changed is not None and time.monotonic() > self._changed + _REST:
+                self._settle(obj, shown, asked)
             return
         if self._mesh is not shown.request.given.mesh:
             self._mesh, self._followers = shown.request.given.mesh, (Follower(), Follower())
-        self._asked_last = asked
+        self._asked_last, self._fade = asked, None
         instead = self._shown is shown  # a step on the way to the next one
         is_painted, self._is_painted = self._is_painted, False
         try:
@@ -167,32 +174,61 @@ class _Live:
         obj, work = self._work.job.link.present, self._work
         if obj is None:
             queue.cancel(work)
-        elif work.age > _PATIENCE and memory.holds(obj):
+        elif (work.job.request.settles or work.age > _PATIENCE) and memory.holds(obj):
             if self._asked(obj, memory.state(obj)) != self._asked_last:
                 queue.end(work)
 
     def _finish(self, work):
-        self._work = None
+        self._work, job = None, work.job
         try:
             if work.error is not None:
                 raise work.error
-            work.job.write(work.result)
+            if job.request.settles == ANEW:
+                if work.result.pattern.energy < _BETTER * self._shown.pattern.energy:
+                    self._fade = job, work.result, time.monotonic()
+                return
+            job.write(work.result)
         except Cancelled:
             self._asked_last = None
             return
         except SynchError as error:
             self._say(str(error))
+            self._stages = []
             return
-        self._shown, self._changed = memory.state(work.job.link.found), time.monotonic()
+        self._shown, self._changed = memory.state(job.link.found), time.monotonic()
+        if not job.request.settles:
+            self._stages = [ANEW, NEAR]
+            self._turned_only &= job.request.turns_only
         self._say("")
 
-    def _settle(self):
-        """After a rest, undo leads back here, and what is shown is kept for it."""
-        if self._changed is not None and time.monotonic() > self._changed + _REST:
-            self._changed = self._shown = None
+    def _settle(self, obj, shown, asked):
+        """After a rest, go on to a better pattern; at the last one, which is kept, undo leads back here."""
+        if shown is not self._shown or asked is None:  # undone, or solved by a click
+            self._changed = self._fade = None
+        elif self._fade is not None or self._stages:
+            try:
+                self._settle_on(obj, shown, asked[0])
+            except SynchError as error:
+                self._say(str(error))
+                self._fade, self._stages = None, []
+        else:
+            self._changed, self._shown, self._turned_only = None, None, True
             if not bpy.app.background:
                 with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
                     bpy.ops.ed.undo_push(message="Live")
+
+    def _settle_on(self, obj, shown, settings):
+        if self._fade is None:
+            settling = {"settles": self._stages.pop(0), "turned_only": self._turned_only}
+            job = LiveJob(obj, settings, shown, self._followers, True, **settling)
+            self._work = queue.add(job, "Live", is_quiet=True)
+            return
+        job, result, start = self._fade
+        share = min((time.monotonic() - start) / _FADE, 1.0)
+        if share == 1:
+            self._fade = None
+        job.write(result, share)
+        self._shown = memory.state(obj)
 
     def _say(self, line):
         if line != self.error:

@@ -134,10 +134,7 @@ def remember(obj, line, solved, instead=False):
 def state(obj):
     """The :class:`Solved` that belongs to the result an object shows, be its mesh changed or not.
 
-    Raises
-    ------
-    SynchError
-        where there is none
+    Raises SynchError where there is none.
     """
     states = _fields.get(obj)
     if not states.holds(_line(obj)):
@@ -148,10 +145,7 @@ def state(obj):
 def recall(obj):
     """The :class:`Solved` that an object in object mode shows.
 
-    Raises
-    ------
-    SynchError
-        where there is none, the mesh has changed since, or another object that shares it has been solved
+    Raises SynchError where there is none, the mesh has changed since, or another object that shares it has been solved.
     """
     solved = state(obj)
     if not own_surface.is_unchanged(obj, solved.request.given):

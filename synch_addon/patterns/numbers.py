@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers of an object's stripes and coordinates along them, written for shaders and geometry nodes."""
 
+import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
@@ -17,24 +18,12 @@ from .read_back import shown_pattern
 _STEP = 0.1
 
 
-def number_stripes(obj):
+def number_stripes(obj: bpy.types.Object) -> int:
     """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
 
-    What is written follows every later solve and variation of the object.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object with stripes
-
-    Returns
-    -------
-    int, how many stripes have a line: number k is that of spline k - 1 of :func:`api.isolines`; greater numbers are
-    those of stripes whose middle lies beyond the boundary
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
+    What is written follows every later solve and variation of the object. Raises SynchError, with nothing written.
+    ``obj``: bpy.types.Object with stripes. Returns int, how many stripes have a line: number k is that of spline k - 1
+    of :func:`api.isolines`; greater numbers are those of stripes whose middle lies beyond the boundary.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():

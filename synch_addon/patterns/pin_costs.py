@@ -12,7 +12,7 @@ from ..blender.pattern_surface import surface_of
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
-from ..reading.surface import gather, pinned_triangles, settings_for
+from ..reading.surface import gather, settings_for
 from ..settings.fields import stored_settings
 
 # Shares of the last objects, by their pins.
@@ -26,14 +26,7 @@ _FLAT = 1e-9
 class PinCosts:
     """What pins of an object cost in directions, which are those of what was solved last.
 
-    Parameters
-    ----------
-    obj : bpy.types.Object in object mode
-
-    Raises
-    ------
-    SynchError
-        as of a solve
+    Raises SynchError as of a solve.
     """
 
     def __init__(self, obj):
@@ -51,9 +44,8 @@ class PinCosts:
         None where free ones do not bend, or are given.
         """
         share, pins = None, parse_pins(obj.synch.pins)
-        if self._free > _FLAT * self._request.given.mesh.vertex_count and self._request.directions is None:
-            asked = pinned_triangles(pins, self._request.given.polygons, self._request.symmetry)
-            share = replace(self._request, pins=asked).directed().bending / self._free - 1
+        if self._free > _FLAT * self._request.given.mesh.vertex_count and self._request.source.directions is None:
+            share = self._request.with_pins(pins).directed().bending / self._free - 1
         _told.put(obj.session_uid, (obj.synch.pins, share))
         return share
 

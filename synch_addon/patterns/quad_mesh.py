@@ -38,14 +38,14 @@ def write(obj, request, quads, selection, carrying, replaced=None):
         made = replaced
         assign(made, "data", data)
         assign(made, "scale", obj.scale)  # of the source as it is now
-    surface = NearestTriangles(mesh.vertices, mesh.triangles)
+    surface = mesh.finder
     centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
-    at_centres, under = surface.nearest(centres)
+    at_centres, under = surface.nearby(centres)
     _carry(carrying, made, request.given, quads, centres, under, surface)
     data.update()
     _show_instead(obj, made, selection)
     given = np.delete(mesh.vertices, mesh.loose_vertices, axis=0)
-    back, _ = NearestTriangles(quads.vertices, meshes.read_polygons(made).triangles).nearest(given)
+    back, _ = NearestTriangles(quads.vertices, meshes.read_polygons(made).triangles).nearby(given)
     apart = np.linalg.norm(back - given, axis=1)
     distance = max(np.linalg.norm(at_centres - centres, axis=1).max(), apart.max())
     return {"object": made.name, **quality(quads), **quad_loops(quads).figures, "hausdorff_distance": float(distance)}

@@ -23,10 +23,7 @@ from . import memory
 def shown_pattern(obj):
     """The SurfaceRequest and the Pattern that an object in object mode shows: of its last solve, or else read back.
 
-    Raises
-    ------
-    SynchError
-        where there is none
+    Raises SynchError where there is none.
     """
     if memory.holds(obj):
         solved = memory.recall(obj)
@@ -40,21 +37,14 @@ def shown_pattern(obj):
 def read_back(obj, result, favourite=None):
     """The SurfaceSettings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
 
+    Returns Settings, SurfaceRequest, DirectionField, Pattern; the pattern has no problem and no solution. Raises
+    SynchError where an attribute is missing or of a newer version, or the surface is apart, so that second sides have
+    phases of their own.
+
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
     result : what the object keeps of their solve, see :func:`kept_results.result_line`
     favourite : number of the one that the attributes are of, None for what the object shows
-
-    Returns
-    -------
-    Settings, SurfaceRequest, DirectionField, Pattern; the pattern has no problem and no solution
-
-    Raises
-    ------
-    SynchError
-        where an attribute is missing or of a newer version, or the surface is apart, so that second sides have phases
-        of their own
     """
     surface = surface_of(obj)
     kept, stamp = read_result(result, obj.name), surface.data.get(schema.STAMP, 1)
@@ -82,10 +72,7 @@ def read_back(obj, result, favourite=None):
 def is_apart(settings, kept):
     """Whether vertices have several phases: where edges are cut, or the surface comes apart.
 
-    Parameters
-    ----------
-    settings : SurfaceSettings
-    kept : what :func:`kept_results.result_line` keeps of the solve, as a dict
+    ``kept``: what :func:`kept_results.result_line` keeps of the solve, as a dict.
     """
     is_cut = any(row.what == "cut" for row in settings.constraints)
     return is_cut or any(name in APART for name in kept.get("carrier", {}))

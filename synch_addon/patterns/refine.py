@@ -12,7 +12,16 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, quote_value
-from ...core.refinement.spacing import carried_spacing, spacing_across, wished_spacing
+from ...core.files.json_text import Json
+from ...core.refinement.spacing import (
+    FEW_LINES,
+    SLACK,
+    carried_spacing,
+    carries_few_lines,
+    lines_in_period,
+    spacing_across,
+    wished_spacing,
+)
 from ...core.validation import convert_value
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
@@ -21,8 +30,6 @@ from ..blender.translations import translate
 from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
 from ..jobs.report import versions
-from ..reading.refinement import FEW_LINES, SLACK, carries_few_lines
-from ..reading.surface import lines_in_period
 from . import memory, write
 
 # Faces that are looked at, spread over all of them.
@@ -51,25 +58,13 @@ class MeshDetail:
     area: float
 
 
-def refine(obj, levels=None):
+def refine(obj: bpy.types.Object, levels: int | None = None) -> Json:
     """Subdivide an object's mesh, so that it carries the spacing that is set.
 
     One that looks smooth (:func:`looks_smooth`) goes to its limit surface by Catmull and Clark; of others no place
-    changes.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
-    levels : how often every edge is halved; None for as often as its spacing needs, at least once
-
-    Returns
-    -------
-    dict, the report with ``levels``, ``faces_before``, ``faces`` and whether it is ``smooth``
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is changed
+    changes. Returns dict, the report with ``levels``, ``faces_before``, ``faces`` and whether it is ``smooth``. Raises
+    SynchError, with nothing changed. ``levels``: how often every edge is halved; None for as often as its spacing
+    needs, at least once.
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
@@ -148,12 +143,8 @@ def _is_smoothing(modifier):
 def _subdivide(obj, levels, smooth):
     """Subdivide the mesh of an object in object mode, and take the pattern of the old faces away.
 
-    UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs.
-
-    Raises
-    ------
-    SynchError
-        where it cannot be; nothing is changed
+    UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs. Raises
+    SynchError where it cannot be; nothing is changed.
     """
     if not 1 <= levels <= MOST_LEVELS:
         raise SettingError(f"the level is {quote_value(levels)}: give a whole number from 1 to {MOST_LEVELS}")

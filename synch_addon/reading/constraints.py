@@ -7,7 +7,6 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.fields import Row, boundary_line, line_of_edges
-from ...core.fields.constraints.features import feature_edges, feature_row
 from ...core.fields.constraints.lines import (
     group_edges,
     line_of_group,
@@ -36,20 +35,6 @@ def cut_mesh(obj, given, constraints):
 def rows_of(obj, given, constraints):
     """The core's rows for all constraints but cuts, on the mesh as it may have been cut."""
     return tuple(_row(obj, given, c) for c in constraints if c.what != "cut")
-
-
-def feature_rows(obj, given, angle, sides):
-    """The row for the boundary and the sharp edges of the uncut mesh, none where there are none.
-
-    Parameters
-    ----------
-    angle : radians between two faces beyond which their edge is sharp; marked ones always are
-    sides : (n,) length of a quad's side at each vertex, a few of which make a feature
-    """
-    marked = given.edges_of(attributes.read_marked_edges(obj, "sharp"))
-    faces = given.polygons.triangle_faces
-    edges = feature_edges(given.uncut, angle, sides[: given.uncut.vertex_count], marked, faces)
-    return (feature_row(given.mesh, edges_after_cut(given.uncut, given.mesh, edges)),) if len(edges) else ()
 
 
 def _row(obj, given, constraint):
@@ -82,14 +67,14 @@ def _line(obj, given, constraint):
 
 def _edges(obj, given, constraint):
     """Indices of edges of the uncut mesh."""
-    if constraint.where == "group":
-        members = groups.read_group(obj, constraint.name)
-        edges = group_edges(given.uncut, members[_own(given)])
-        remedy = f"add both ends of at least one to {constraint.name!r}"
-    else:
+    if constraint.where != "group":
         edges = given.edges_of(attributes.read_marked_edges(obj, constraint.where))
         remedy = {"seams": "Mark Seam", "sharp": "Mark Sharp", "creases": "Edge Crease"}[constraint.where]
         remedy = f"mark edges with {remedy} first"
+    else:
+        members = groups.read_group(obj, constraint.name)
+        edges = group_edges(given.uncut, members[_own(given)])
+        remedy = f"add both ends of at least one to {constraint.name!r}"
     if len(edges) == 0:
         raise SettingError(f"{constraint.label} holds no edge: {remedy}, or remove the row")
     return edges

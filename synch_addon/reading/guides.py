@@ -26,21 +26,13 @@ from ..blender.strokes import read_strokes
 def read_guides(obj, given, symmetry, sources):
     """Read what sources need of the object.
 
+    Returns tuple of PendingGuide. Raises SettingError for names that do not exist, files that do not fit, and lines or
+    crosses as guides of another symmetry.
+
     Parameters
     ----------
-    obj : bpy.types.Object, in object mode
-    given : MeshInput
     symmetry : "vector", "line" or "cross"
     sources : tuple of Source
-
-    Returns
-    -------
-    tuple of PendingGuide
-
-    Raises
-    ------
-    SettingError
-        for names that do not exist, files that do not fit, and lines or crosses as guides of another symmetry
     """
     return tuple(PendingGuide(s.label, _pending(obj, given, symmetry, s), s.share) for s in sources)
 

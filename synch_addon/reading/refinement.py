@@ -8,22 +8,13 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, SynchError
-from ...core.geometry.check import refuse_far_vertices
-from ...core.geometry.welding import welded_vertices
-from ...core.refinement import BoundSurface, TooFineError, refine
-from ...core.refinement.spacing import LINES_ACROSS, longest_edge
-from ...core.tasks.quad_meshes import faces_of_factor
+from ...core.errors import SynchError
+from ...core.refinement import BoundSurface
+from ...core.refinement.spacing import finer_copy, is_fine
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
-from . import constraints
-from .surface import asked_spacings, automatic_spacing, lines_in_period, wished_spacing
-
-# Fewer lines across than these, which is all that some faces carry, are reason for a surface of their own.
-FEW_LINES = LINES_ACROSS // 3
-# That much longer than they should be edges may be.
-SLACK = 1.1
+from .surface import read_spacing_map
 
 
 @dataclass(frozen=True)
@@ -53,81 +44,25 @@ class Refinement:
 
 def refinement_of(command, obj, settings):
     """The :class:`Refinement` on which a command on an object in object mode is solved, None for its own faces; and
-    the MeshInput of these, with the edges apart that are cut, where it was read.
+    the MeshInput of these, where it was read.
 
-    Raises
-    ------
-    SynchError
-        as :func:`gather`, and where the surface would have too many faces
+    Raises SynchError as :func:`gather`, and where the surface would have too many faces.
     """
     if settings.surface == "faces" or (settings.surface == "automatic" and command == "directions"):
         return None, None
     is_seen = settings.surface == "seen"
     if not is_seen:
-        given = meshes.read_mesh(obj, strict=settings.strict)
-        try:
-            if is_fine(command, obj, given, settings):
-                return None, constraints.cut_mesh(obj, given, settings.constraints)
-        except SettingError:
-            refuse_far_vertices(given.mesh)  # rather than a spacing that suits their distance
-            raise
-        is_seen = bool(changing_modifiers(obj))
+        given, is_seen = meshes.read_mesh(obj, strict=settings.strict), bool(changing_modifiers(obj))
+        factors = read_spacing_map(obj, given, settings)
+        if is_fine(command, given, settings, factors):
+            return None, given
     with source_of(obj, is_seen) as source:
-        given = meshes.read_mesh(source, strict=settings.strict)
-        refuse_far_vertices(given.mesh)
-        longest = None
-        if command != "directions":
-            spacing = wished_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
-            longest = _longest_edge(command, source, given, settings, spacing)
-        try:
-            bound = _refined(source, given, np.inf if longest is None else longest, settings.mirror)
-        except TooFineError as error:
-            raise SettingError(_finest(command, obj, given, settings, spacing, error.factor)) from None
-        return Refinement(bound, is_seen, state_of(obj), len(source.data.vertices)), None
-
-
-def carries_few_lines(command, size, spacing):
-    """Whether an automatic spacing gives so few lines across a size that a finer surface is worth it."""
-    return spacing > SLACK * lines_in_period(command) * size / FEW_LINES
-
-
-def is_fine(command, obj, given, settings):
-    """Whether faces carry what is asked of a pattern: edges that are short enough, and joined where they meet."""
-    uncut = given.uncut
-    spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
-    if settings.spacing is None and not (command == "quad_mesh" and settings.faces):
-        size = np.ptp(given.mesh.vertices[np.unique(given.mesh.triangles)], axis=0).max()
-        if carries_few_lines(command, size, spacing):
-            return False
-    if _longest_edge(command, obj, given, settings, spacing) is not None:
-        return False
-    if len(given.uncut.boundary_edges) == 0:
-        return True
-    return bool((welded_vertices(uncut.vertices, uncut.triangles) == np.arange(uncut.vertex_count)).all())
-
-
-def _longest_edge(command, obj, given, settings, spacing):
-    """How long edges may be for a spacing, or for the number of faces that is asked for; None where they are fine."""
-    _, spacings = asked_spacings(command, obj, given, settings, spacing)
-    return longest_edge(given.mesh, spacings)
-
-
-def _finest(command, obj, given, settings, spacing, factor):
-    """The line that refuses faces or a spacing, and says which would do."""
-    if command == "quad_mesh" and settings.faces:
-        _, asked = asked_spacings(command, obj, given, settings, spacing)
-        fitting = faces_of_factor(given.mesh, asked, factor)
-        if fitting < 1:
-            return "parts of this mesh are too long and thin for quads: delete vertices that lie far out, or remesh it"
-        return f"{settings.faces} faces are too many for this mesh: ask for {fitting} at most"
-    return f"the spacing {spacing:g} is too fine for this mesh: use one from {factor * spacing:.3g} on"
-
-
-def _refined(source, given, longest, axes):
-    polygons = meshes.read_polygons(source)
-    edges = attributes.read_all(source.data.edges, "vertices", 2)
-    mesh = meshes.measured_places(source), polygons.starts, polygons.corner_vertices, edges
-    return refine(*mesh, longest, given.stretch, polygons.triangle_corners, tuple(map("XYZ".index, axes)))
+        read = meshes.read_faces(source)
+        edges = attributes.read_all(source.data.edges, "vertices", 2)
+        state, count = state_of(obj), len(source.data.vertices)
+        given = read.surface(settings.strict)
+        factors = read_spacing_map(source, given, settings)
+        return Refinement(finer_copy(command, read, edges, given, settings, factors), is_seen, state, count), None
 
 
 @contextmanager
@@ -187,10 +122,7 @@ def solved_object(obj, refinement):
 def made_of(obj, source, refinement):
     """The object with the mesh of a refinement of ``source``, for a pattern of ``obj``.
 
-    Raises
-    ------
-    SynchError
-        where the source has other faces by now
+    Raises SynchError where the source has other faces by now.
     """
     if len(source.data.vertices) != refinement.source_vertices or state_of(obj) != refinement.state:
         raise SynchError(f"the mesh or the modifiers of {obj.name} changed while it was solved: run again")

@@ -104,18 +104,8 @@ class SynchConstraint(bpy.types.PropertyGroup):
 def stored_constraints(obj):
     """The enabled rows of an object's list.
 
-    Parameters
-    ----------
-    obj : bpy.types.Object
-
-    Returns
-    -------
-    tuple of Constraint; empty where the extension is not registered, so that objects keep no list
-
-    Raises
-    ------
-    SettingError
-        when a row lacks its vertex group, curve or attribute, or asks for what is impossible there
+    Returns tuple of Constraint; empty where the extension is not registered, so that objects keep no list. Raises
+    SettingError when a row lacks its vertex group, curve or attribute, or asks for what is impossible there.
     """
     return tuple(_plain(row) for row in obj.synch.constraints if row.enabled) if hasattr(obj, "synch") else ()
 

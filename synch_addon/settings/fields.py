@@ -12,7 +12,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.settings.setting import default_of, records
+from ...core.settings.setting import records
 from ...core.settings.surface import SurfaceSettings
 from ..blender.registration import register_all
 from ..blender.translations import OURS
@@ -42,11 +42,6 @@ _StoredMeshProperties = properties_of(
     (),
     **{stored: property_of(SurfaceSettings, name, "quad_mesh") for name, stored in MESH_NAMES.items()},
 )
-
-
-def default_shares(command):
-    """The shares of branches and of singular points that a command takes where none are given, by their names."""
-    return {name: default_of(SurfaceSettings, name, command) for name in MESH_NAMES}
 
 
 class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.PropertyGroup):

@@ -55,13 +55,7 @@ class SynchGuide(bpy.types.PropertyGroup):
 
 
 def stored_guidance(stored):
-    """The guidance as text, from an object's settings.
-
-    Raises
-    ------
-    SettingError
-        when a guide lacks its name
-    """
+    """The guidance as text, from an object's settings. Raises SettingError when a guide lacks its name."""
     if stored.guidance == "SMOOTH":
         return "smooth"
     if stored.guidance == "BLEND":

@@ -30,14 +30,9 @@ def read_guide(obj, given, guide):
     given : MeshInput of it
     guide : LayerGuide
 
-    Returns
-    -------
-    callable that can be pickled, :class:`FilledSurface` -> (n, 3) unit vectors at the solid's vertices
+    Returns a function that can be pickled, :class:`FilledSurface` -> (n, 3) unit vectors at the solid's vertices.
 
-    Raises
-    ------
-    SettingError
-        for names that do not exist or do not fit
+    Raises SettingError for names that do not exist or do not fit.
     """
     return _READERS[guide.kind](obj, given, *guide.names)
 

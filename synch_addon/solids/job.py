@@ -11,10 +11,10 @@ from ...core.solve import Options
 from ...core.tasks.layer_outputs import Layering
 from ...core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 from ..blender import meshes
+from ..blender.attributes import read_factors
 from ..blender.modifiers import foreign_modifiers
 from ..blender.objects import ObjectLink, Selection
 from ..blender.transaction import whole_or_nothing
-from ..blender.vertex_maps import read_factors
 from ..jobs.report import Report
 from . import memory, objects
 from .guides import read_guide

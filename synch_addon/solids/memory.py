@@ -33,10 +33,7 @@ def remember_layers(obj, given, layering):
 def recall_layers(obj) -> Layering:
     """The :class:`Layering` that the layers of an object show, where these layers are now.
 
-    Raises
-    ------
-    SynchError
-        where there is none, or the mesh has changed since
+    Raises SynchError where there is none, or the mesh has changed since.
     """
     made = made_of(obj, "layers")
     if not holds_layers(obj):

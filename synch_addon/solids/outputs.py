@@ -7,6 +7,7 @@ from os import PathLike
 import bpy
 
 from ...core.errors import SettingError, SynchError, quote_value
+from ...core.files.json_text import Json
 from ...core.printing.machine import MACHINES, USUAL, Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
 from ...core.validation import check_path, convert_value
@@ -22,7 +23,7 @@ from .report import print_facts
 from .volume import check_volume, grid_file, make_volume
 
 
-def layer_export(obj, path, together=False):
+def layer_export(obj: bpy.types.Object, path: str | PathLike[str], together: bool = False) -> Json:
     """Write the last layers of an object to mesh files (.stl, .ply, .obj), in the world.
 
     Parameters
@@ -31,14 +32,9 @@ def layer_export(obj, path, together=False):
     path : part.stl stands for part_000.stl, part_001.stl ..., from bottom to top; // is the folder of the .blend
     together : all into the one file instead
 
-    Returns
-    -------
-    dict with `files` and `warnings`: of files of an earlier run with more layers, which stay
+    Returns a dict with `files` and `warnings`: of files of an earlier run with more layers, which stay.
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy
+    Raises SynchError with one line that names the element and the remedy.
     """
     obj, path, together = _solid(obj), _absolute(path), convert_value("together", bool, together)
     with meshes.object_mode(obj):
@@ -57,7 +53,14 @@ def layer_export(obj, path, together=False):
     }
 
 
-def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None, beads=None):
+def layer_toolpaths(
+    obj: bpy.types.Object,
+    step: float | None = None,
+    fill: str = "contour",
+    path: str | PathLike[str] | None = None,
+    machine: str | PathLike[str] | None = None,
+    beads: str | None = None,
+) -> Json:
     """Make a curve object of paths for a tool on each of the last layers of an object, in a collection of their own.
 
     Parameters
@@ -70,19 +73,15 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None, bea
     beads : make a mesh of the beads as wide and as high as they are printed, in colours of their "layer", "height",
         "tilt" or "speed"
 
-    Returns
-    -------
-    dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what :func:`print_facts` tells
+    Returns a dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what
+    :func:`print_facts` tells.
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
+    Raises SynchError with one line that names the element and the remedy; nothing is made.
     """
     return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path, beads))
 
 
-def layer_volume(obj, path, resolution=128):
+def layer_volume(obj: bpy.types.Object, path: str | PathLike[str], resolution: int = 128) -> Json:
     """Write the pattern of the last layers of an object to an OpenVDB file, and make a volume object that shows it.
 
     Parameters
@@ -91,14 +90,9 @@ def layer_volume(obj, path, resolution=128):
     path : .vdb, with the grid `pattern`: cos(phase), 1 on the layers
     resolution : voxels along the longest side
 
-    Returns
-    -------
-    dict with `volume_object`, `voxels` (inside) and `files`
+    Returns a dict with `volume_object`, `voxels` (inside) and `files`.
 
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is made
+    Raises SynchError with one line that names the element and the remedy; nothing is made.
     """
     return run(VolumeJob(obj, path, resolution))
 

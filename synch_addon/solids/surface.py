@@ -16,6 +16,8 @@ from ..blender.bvh import surface_tree
 LOOKS, LEVEL = ("bottom", "top", "side"), 0.866
 # How far the boundary of a given solid may be from the object's surface, as a share of its size.
 _FITTING = 1e-3
+# Faces may reach so far through others, as a share of the size: too little for a solid to show.
+_SHALLOW = 1e-4
 
 
 def read_surface(obj, strict=False):
@@ -40,19 +42,22 @@ def read_surface(obj, strict=False):
         meshes.read_mesh(obj, strict=True)  # which tells what keeps the surface from being closed
     check_closed(given.mesh, given.source)
     distance = SurfaceDistance(given.mesh)
-    _refuse_crossings(given)
+    _refuse_crossings(given, _SHALLOW * float(np.linalg.norm(np.ptp(distance.bounds, axis=0))))
     if distance.volume <= 1e-9 * float(np.ptp(distance.bounds, axis=0).max()) ** 3:
         raise MeshError(f"{obj.name} encloses no volume: give it thickness, with Solidify for instance")
     return ClosedSurface(given, distance)
 
 
-def _refuse_crossings(given):
-    """Refuse faces that meet others without sharing a vertex with them."""
+def _refuse_crossings(given, shallow):
+    """Refuse faces that meet those of another piece, or reach through their own piece by more than a length."""
     triangles = given.source[given.mesh.triangles]
     tree = surface_tree(given.mesh.vertices, given.mesh.triangles)
     pairs = np.array(tree.overlap(tree), int).reshape(-1, 2)
     apart = (triangles[pairs[:, 0], :, None] != triangles[pairs[:, 1], None, :]).all(axis=(1, 2))
-    met = np.unique(pairs[apart])
+    pairs = pairs[apart]
+    deep = np.minimum(_dips(given.mesh, *pairs.T), _dips(given.mesh, *pairs[:, ::-1].T)) > shallow
+    piece = given.mesh.pieces[given.mesh.triangles[pairs, 0]]
+    met = np.unique(pairs[deep | (piece[:, 0] != piece[:, 1])])
     if len(met):
         faces = np.unique(given.polygons.triangle_faces[met])
         verb = "meets" if len(faces) == 1 else "meet"
@@ -61,6 +66,13 @@ def _refuse_crossings(given):
             "join the parts with a Boolean union or a Remesh modifier, and apply it",
             triangles[met],
         )
+
+
+def _dips(mesh, one, other):
+    """(k,) how far triangles reach through the planes of others, on the side where they reach less far."""
+    away = mesh.vertices[mesh.triangles[one]] - mesh.vertices[mesh.triangles[other, :1]]
+    heights = np.einsum("kcx,kx->kc", away, mesh.face_normals[other])
+    return np.minimum(heights.max(axis=1), -heights.min(axis=1))
 
 
 def read_area(obj, given, name):

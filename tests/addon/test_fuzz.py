@@ -6,7 +6,8 @@ A short run belongs to the tests; `make fuzz` goes on for minutes, and keeps the
 """
 
 import tempfile
-from functools import cache
+from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import bpy
@@ -21,6 +22,7 @@ from synch_fields.synch_addon.blender.openvdb import module_file
 from synch_fields.synch_addon.blender.schema import ATTRIBUTES, DIRECTION, PHASES
 from synch_fields.synch_addon.patterns.job import FieldJob
 
+from ..core.files import flow_writers
 from ..corpus import bad_meshes
 from .faults import differences, fault_at, state
 from .fuzz_cases import CASES, COUNTS, KEPT, empty_scene, mostly, read_or_refused, solved_or_refused, st, tried
@@ -203,10 +205,22 @@ def _write_vtu(path):
     path.write_text(f'<VTKFile type="UnstructuredGrid"><UnstructuredGrid>{piece}</UnstructuredGrid></VTKFile>')
 
 
-# Suffix, what writes a sound file, and what reads it.
+def _write_vti(kind, path):
+    flow_writers.vti(path, {"velocity": flow_writers.VELOCITY}, kind)
+
+
+def _write_netcdf(path):
+    flow_writers.netcdf(path, flow_writers.UVW, flow_writers.AXES)
+
+
+# Suffix, what writes a sound file, and what reads it; optional libraries read some.
 FORMATS = [
     (".npz", write_npz, _flow),
     (".vdb", write_vdb, _flow),
+    *((".vti", partial(_write_vti, kind), _flow) for kind in ("ascii", "zlib", "raw")),
+    (".nc", _write_netcdf, _flow),
+    *([(".h5", flow_writers.hdf5, _flow)] if find_spec("h5py") else []),
+    *((suffix, flow_writers.vtk_mesh, _flow) for suffix in (".vts", ".vtr", ".vtk", ".vtu") if find_spec("pyvista")),
     (".mesh", _write_medit, read_tets),
     (".vtu", _write_vtu, read_tets),
     *map(_exported, files.MESH_SUFFIXES),

@@ -69,6 +69,40 @@ def vtu_files(draw):
 
 
 @st.composite
+def vti_files(draw):
+    """A .vti file with any extent and offset, and blocks of zeros."""
+    extent = " ".join(f"{draw(st.sampled_from([0, 1, -(2**31)]))} {draw(COUNTS)}" for _ in range(3))
+    packed = zlib.compress(bytes(10**5))
+    head = struct.pack("<4I", *(draw(COUNTS) % 2**32 for _ in range(3)), len(packed))
+    kind = draw(st.sampled_from(["ascii", "binary", "appended"]))
+    where = draw(st.sampled_from(["PointData", "CellData"]))
+    compressor = draw(st.sampled_from(["", ' compressor="vtkZLibDataCompressor"']))
+    return (
+        f'<VTKFile type="ImageData"{compressor}><ImageData WholeExtent="{extent}"><Piece><{where}><DataArray '
+        f'type="Float64" Name="velocity" NumberOfComponents="3" format="{kind}" offset="{draw(COUNTS)}">'
+        f"{(b64encode(head) + b64encode(packed)).decode()}</DataArray></{where}></Piece></ImageData></VTKFile>"
+    ).encode()
+
+
+@st.composite
+def netcdf_files(draw):
+    """A .nc file of NetCDF 3 whose dimensions, and the sizes and places of whose variables, are any numbers."""
+
+    def number():
+        return struct.pack(">I", draw(COUNTS) % 2**32)
+
+    def name(text):
+        return struct.pack(">I", len(text)) + text.encode().ljust(4, b"\0")
+
+    dimensions = b"".join(name(axis) + number() for axis in "zyx")
+    shape = struct.pack(">4I", 3, 0, 1, 2)
+    variables = b"".join(name(v) + shape + bytes(8) + struct.pack(">I", 6) + number() + number() for v in "uvw")
+    return (
+        b"CDF\1" + number() + struct.pack(">2I", 10, 3) + dimensions + bytes(8) + struct.pack(">2I", 11, 3) + variables
+    ) + bytes(draw(st.sampled_from([0, 64, 10**5])))
+
+
+@st.composite
 def medit_files(draw):
     """A .mesh or .sol file with any counts."""
     values = draw(st.sampled_from(["SolAtVertices\n4\n1 2\n1 2 3\n", f"SolAtVertices\n{draw(COUNTS)}\n1 2\n1 2 3\n"]))
@@ -138,6 +172,8 @@ def of_suffix(suffix, contents):
 BOMBS = [
     of_suffix(".npz", archives()),
     of_suffix(".vtu", vtu_files()),
+    of_suffix(".vti", vti_files()),
+    of_suffix(".nc", netcdf_files()),
     of_suffix(".mesh", medit_files()),
     of_suffix(".sol", medit_files()),
     of_suffix(".glb", glb_files()),
@@ -149,6 +185,8 @@ BOMBS = [
 READERS = {
     ".npz": lambda path: flow_file(path).read(),
     ".vtu": read_tets,
+    ".vti": lambda path: flow_file(path).read(),
+    ".nc": lambda path: flow_file(path).read(),
     ".mesh": read_tets,
     ".sol": read_vectors,
     ".glb": check_glb,

@@ -111,6 +111,9 @@ def test_every_public_function_is_here():
     public = {name for name, found in vars(api).items() if inspect.isfunction(found) and not name.startswith("_")}
     own = {name for name in public if vars(api)[name].__module__ == api.__name__} | {*RE_EXPORTED}
     assert own - {"run", "run_bake", "layer_job", "show_again"} == set(NAMES)  # those take ready settings and states
+    for name in own:
+        function = vars(api)[name]
+        assert {*inspect.signature(function).parameters, "return"} == {*function.__annotations__}, name
 
 
 @pytest.mark.parametrize("name", NAMES)

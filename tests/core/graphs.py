@@ -11,7 +11,7 @@ from scipy.sparse import bsr_matrix
 
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_field, direction_problem, given_directions
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
 from .meshes import bent_square, bumpy_torus, cube, double_torus, icosphere, slivers
@@ -221,7 +221,7 @@ def _longest_step(point, move):
 
 def stripes_on(mesh, symmetry, stripes):
     field = direction_field(mesh, symmetry)
-    return stripe_problem(mesh, field, np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / stripes)
+    return pattern_problem(mesh, field, PatternWishes(np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / stripes))
 
 
 def half_turned_stripes(mesh, spacing):
@@ -231,7 +231,7 @@ def half_turned_stripes(mesh, spacing):
     around = np.column_stack([-np.sin(angle), np.cos(angle), np.zeros_like(angle)])
     across = np.cross(mesh.vertex_normals, around)
     vectors = np.cos(angle / 2)[:, None] * around + np.sin(angle / 2)[:, None] * across
-    return stripe_problem(mesh, given_directions(mesh, 2, vectors), spacing)
+    return pattern_problem(mesh, given_directions(mesh, 2, vectors), PatternWishes(spacing))
 
 
 def fixed_rotations():

@@ -54,6 +54,16 @@ def flat_cells(cells, fine):
     return welded([(square + [x, y, 0], grid) for x, y in cells])
 
 
+def wedge(degrees, fine=32):
+    """A triangle with two sides of length 1 that meet at an angle."""
+    rows, columns = np.nonzero(np.tri(fine + 1, dtype=bool))
+    turns = np.radians(degrees) * np.divide(columns, rows, out=np.zeros(len(rows)), where=rows > 0)
+    # Straight between the sides, not along a circle.
+    lengths = rows / fine * np.cos(np.radians(degrees) / 2) / np.cos(turns - np.radians(degrees) / 2)
+    points = lengths[:, None] * np.column_stack([np.cos(turns), np.sin(turns)])
+    return TriangleMesh(np.column_stack([points, 0 * turns]), Delaunay(points).simplices)
+
+
 def polygon(sides, fine=12):
     """A regular polygon of radius 1 in the plane."""
     angles = 2 * np.pi / sides * np.arange(sides + 1)

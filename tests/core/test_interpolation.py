@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import direction_field, given_directions
-from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, ell, evaluate, face_phases
@@ -49,7 +49,7 @@ def edge_phases_on(mesh, symmetry, phases):
     random = np.random.default_rng(2)
     spacing = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / 8
     if phases == "solved":
-        return solve_pattern(mesh, direction_field(mesh, symmetry), spacing).edge_phases
+        return solve_pattern(mesh, direction_field(mesh, symmetry), PatternWishes(spacing)).edge_phases
     if phases == "random-lines":
         field = given_directions(mesh, symmetry, random.standard_normal((mesh.vertex_count, 3)))
     else:

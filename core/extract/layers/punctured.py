@@ -2,10 +2,10 @@
 """Layers in tetrahedra that a dislocation curve punctures: sheets that end at the curve, and whole ones.
 
 On the rim of a face the phase crosses levels upwards or downwards, N times more often upwards where it turns N times.
-Two crossings beside each other of which one goes up and one down belong to the same line on the face, and so on with
-those that are left, until the N remain whose lines run to the face's centre. The lines on the four faces of a
-tetrahedron join to closed loops, which bound sheets, and to ways from one puncture to another, which bound sheets
-together with the singular curve through the centre.
+Neighbouring crossings, one upwards and one downwards, are joined by a line on the face, then neighbours among the
+others, until N remain, whose lines end at the face's centre. The lines on the four faces of a tetrahedron form closed
+loops, which bound sheets, and paths from one puncture to another, which bound sheets together with the singular curve
+through the centre.
 """
 
 from itertools import pairwise
@@ -13,21 +13,12 @@ from itertools import pairwise
 import numpy as np
 
 from ...interpolate_solid import outward_signs
+from .crossings import LayerCrossings
 
 
-def sheets_in(crossings, numbers, tets):
-    """Triangles of the levels in punctured tetrahedra, normals along the growth.
-
-    Parameters
-    ----------
-    crossings : LayerCrossings
-    numbers : (f,) dislocation numbers of the faces
-    tets : (t,) tetrahedra
-
-    Returns
-    -------
-    (k, 3) int: crossings, then crossings + f for the centre of face f, then crossings + faces + t for that of tet t
-    """
+def sheets_in(crossings: LayerCrossings, numbers: np.ndarray, tets: np.ndarray) -> np.ndarray:
+    """(k, 3) triangles of the levels in (t,) punctured tetrahedra, by the (f,) dislocation numbers of the faces;
+    normals are along the growth. Corners are crossings, then centres of faces, then centres of tetrahedra."""
     mesh, count = crossings.mesh, len(crossings.edges)
     tet_centre = count + len(mesh.faces)
     signs = outward_signs(mesh)[tets].tolist()
@@ -57,9 +48,9 @@ def sheets_in(crossings, numbers, tets):
     return np.array(triangles, int).reshape(-1, 3)
 
 
-def _lines_on(crossings, numbers, faces):
-    """Dict of face to the lines on it: pairs of crossings, or of one and the face's centre, the higher side on the left
-    where the face's vertices in increasing order go round counterclockwise."""
+def _lines_on(crossings: LayerCrossings, numbers: np.ndarray, faces: np.ndarray) -> dict[int, list[tuple[int, int]]]:
+    """The lines on each face: pairs of crossings, or of one and the face's centre, with the higher side on the left if
+    the face's vertices in increasing order are counterclockwise."""
     mesh = crossings.mesh
     a, b, c = mesh.faces[faces].T
     edges = np.column_stack([mesh.edges_between(a, b), mesh.edges_between(b, c), mesh.edges_between(a, c)])
@@ -82,8 +73,8 @@ def _lines_on(crossings, numbers, faces):
     return result
 
 
-def _pair_rims(rim, centre):
-    """Lines from where the rim goes down to where it goes up, as the higher side is to be on the left."""
+def _pair_rims(rim: list[tuple[float, int, bool]], centre: int) -> list[tuple[int, int]]:
+    """Lines from downward to upward crossings of a rim, so that the higher side is on the left."""
     lines: list[tuple[int, int]] = []
     open_ends: list[tuple[int, bool]] = []
     for _, crossing, rises in rim:
@@ -95,12 +86,11 @@ def _pair_rims(rim, centre):
     return lines + [(centre, crossing) if rises else (crossing, centre) for crossing, rises in open_ends]
 
 
-def _partings(changes, numbers):
-    """(f,) where to begin on the rims of faces, in sides from the first corner.
+def _partings(changes: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """(f,) places on the rims of faces, in sides from the first corner, where pairing starts.
 
     Lines near a corner turn around it on one side of the puncture. The interpolant divides them at its saddle, on the
-    ray from the centre on which its linear part stays what it is at the centre, while it falls along the rim where
-    the number is positive.
+    ray from the centre along which its linear part is constant, and falls along the rim for a positive number.
     """
     values = np.zeros_like(changes)
     values[:, 1:] = np.cumsum(changes, axis=1)[:, :2] - numbers[:, None] / 3 * [1, 2]

@@ -2,7 +2,7 @@
 """Layers as surfaces: where the phase of a solid is a multiple of 2 pi, one triangle mesh for all of them.
 
 Sheets end on the boundary of the solid and at dislocation curves, and are manifold otherwise: triangles are joined
-along an edge only where exactly two meet, and a vertex at which sheets merely touch becomes one for each of them.
+along an edge only if exactly two meet there, and a vertex where sheets only touch is split.
 """
 
 from dataclasses import dataclass
@@ -11,10 +11,11 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry import TriangleMesh
+from ...geometry.tet_mesh import TetMesh
 from ...graphs import components
-from ...interpolate import TURN
+from ...interpolate import TURN, EdgePhases
 from ...interpolate_solid import face_numbers, outward_numbers
-from .crossings import crossings_of, polygons_in
+from .crossings import LayerCrossings, crossings_of, polygons_in
 from .punctured import sheets_in
 
 
@@ -26,8 +27,8 @@ class LayerSurfaces:
     ----------
     vertices : (p, 3)
     triangles : (t, 3) vertices, normals along the growth
-    layers : (t,) number of the connected piece, from 0 at the bottom upwards, or of the level, which all pieces at one
-        height share; a screw dislocation, along the growth, joins the sheets around it to one ramp of one number
+    layers : (t,) number of the connected piece, from 0 at the bottom, or of the level, of all pieces at one height;
+        a screw dislocation along the growth makes one ramp of the sheets around it
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
     """
 
@@ -38,33 +39,35 @@ class LayerSurfaces:
     weights: np.ndarray
 
     @cached_property
-    def mesh(self):
-        """All layers as a TriangleMesh."""
+    def mesh(self) -> TriangleMesh:
+        """All layers as one mesh."""
         return TriangleMesh(self.vertices, self.triangles)
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Number of layers."""
         return int(self.layers.max(initial=-1)) + 1
 
     @property
-    def areas(self):
-        """(count,) of the layers."""
+    def areas(self) -> np.ndarray:
+        """(count,) areas of the layers."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
         return np.bincount(self.layers, areas, self.count)
 
 
-def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
-    """:class:`LayerSurfaces` where the phase is offset + 2 pi k.
+def layer_surfaces(
+    edge_phases: EdgePhases[TetMesh], heights: np.ndarray, offset: float = 0.0, by_level: bool = False
+) -> LayerSurfaces:
+    """Extract the layers where the phase is offset + 2 pi k.
 
     Parameters
     ----------
-    edge_phases : EdgePhases over a TetMesh, one phase a vertex
-    heights : (n,) by which layers are ordered, such as :attr:`LayerPattern.heights`
+    edge_phases : one phase a vertex
+    heights : (n,) for the order of layers, such as :attr:`LayerPattern.heights`
     offset : radians
-    by_level : number levels, each solid piece's from its lowest layer on, instead of pieces. Where layers end inside, a
-        level is where most of a piece lies
+    by_level : number levels instead of pieces, in each piece of the solid from its lowest layer; a piece of a layer
+        whose level varies, around dislocations, has the level of its mean height
     """
     mesh, crossings = edge_phases.mesh, crossings_of(edge_phases, offset)
     numbers = face_numbers(edge_phases)
@@ -80,8 +83,8 @@ def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
     return _number_vertices(crossings, np.concatenate([inner, faces]), len(inner), heights, by_level)
 
 
-def _halves(crossings, quads):
-    """(2 q, 3) quads cut along their shorter diagonals."""
+def _halves(crossings: LayerCrossings, quads: np.ndarray) -> np.ndarray:
+    """(2 q, 3) triangles of quads, cut along their shorter diagonals."""
     ends = crossings.mesh.vertices[crossings.mesh.edges[crossings.edges]]
     points = ends[:, 0] + crossings.shares[:, None] * (ends[:, 1] - ends[:, 0])
     a, b, c, d = (points[quads[:, k]] for k in range(4))
@@ -90,9 +93,8 @@ def _halves(crossings, quads):
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def _without_doubles(triangles, faces):
-    """Triangles without those that are faces of the boundary already, and without pairs of the same corners that face
-    each other: a sheet that touches itself."""
+def _without_doubles(triangles: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Remove triangles that are boundary faces already, and opposite pairs, where a sheet touches itself."""
     both = np.sort(np.concatenate([triangles, faces]), axis=1)
     label = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
     a, b, c = triangles.T
@@ -103,12 +105,9 @@ def _without_doubles(triangles, faces):
     return triangles[net[label] * sign > 0]
 
 
-def _links(triangles, inner_count):
-    """(k, 2) half-edges of neighbouring triangles that are joined.
-
-    Where several sheets come together, faces of the boundary are joined with their like and inner triangles with theirs
-    first.
-    """
+def _links(triangles: np.ndarray, inner_count: int) -> np.ndarray:
+    """(k, 2) half-edges of neighbouring triangles that are joined; where several sheets meet, boundary faces with
+    boundary faces and inner triangles with inner triangles first."""
     tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     low, high = np.minimum(tails, heads), np.maximum(tails, heads)
     edge = np.unique(low * (triangles.max(initial=0) + 1) + high, return_inverse=True)[1].reshape(-1)
@@ -123,8 +122,10 @@ def _links(triangles, inner_count):
     return pairs[tails[pairs[:, 0]] == heads[pairs[:, 1]]]
 
 
-def _number_vertices(crossings, triangles, inner_count, heights, by_level):
-    """:class:`LayerSurfaces` of triangles of nodes: own vertices for each sheet, numbers from bottom to top."""
+def _number_vertices(
+    crossings: LayerCrossings, triangles: np.ndarray, inner_count: int, heights: np.ndarray, by_level: bool
+) -> LayerSurfaces:
+    """The surfaces of triangles of nodes, with separate vertices for each sheet, numbered from bottom to top."""
     links = _links(triangles, inner_count)
     following = np.arange(triangles.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
     one, other = links.T
@@ -149,15 +150,15 @@ def _number_vertices(crossings, triangles, inner_count, heights, by_level):
     return LayerSurfaces(points, vertex.reshape(-1, 3)[order].astype(int), rank[piece][order], corners, weights)
 
 
-def _levels(means, solid_pieces):
-    """(k,) levels of pieces of layers: whole turns that their mean heights are above the lowest of their body."""
+def _levels(means: np.ndarray, solid_pieces: np.ndarray) -> np.ndarray:
+    """(k,) levels of pieces of layers: their mean heights above the lowest one in their body, in whole turns."""
     lowest = np.full(solid_pieces.max(initial=-1) + 1, np.inf)
     np.minimum.at(lowest, solid_pieces, means)
     turns = np.rint((means - lowest[solid_pieces]) / TURN)
     return np.unique(turns, return_inverse=True)[1].reshape(-1)
 
 
-def _places(crossings, nodes):
+def _places(crossings: LayerCrossings, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(p, 4) vertices of the solid between which nodes lie, and their weights."""
     mesh, count = crossings.mesh, len(crossings.edges)
     corners, weights = np.zeros((len(nodes), 4), int), np.zeros((len(nodes), 4))

@@ -15,7 +15,8 @@ MOST_POINTS = 3_000_000
 def toolpaths(mesh, layers, values, step):
     """Curves on layers where a function is a multiple of a step, ordered by layer.
 
-    They are as far apart as the step where the function changes by one per unit length along the layer.
+    They are as far apart as the step where the function changes by one per unit length along the layer. Raises
+    SettingError for a step that is not positive, or so small that there would be more than MOST_POINTS points.
 
     Parameters
     ----------
@@ -28,11 +29,6 @@ def toolpaths(mesh, layers, values, step):
     -------
     lines : Isolines over the mesh
     numbers : (l,) layer of each line
-
-    Raises
-    ------
-    SettingError
-        for a step that is not positive, or so small that there would be more than MOST_POINTS points
     """
     refuse_many_points(mesh, values, step)
     angles = TURN / step * np.asarray(values, float)

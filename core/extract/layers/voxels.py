@@ -1,31 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The points of a regular grid that lie in a solid, and where in its tetrahedra."""
+"""The points of a regular grid in a solid, and their places in its tetrahedra."""
+
+from collections.abc import Iterator
 
 import numpy as np
 
-# Points that are tried at once, a few hundred bytes each.
+from ...geometry.tet_mesh import TetMesh
+
+# Points that are tested at once, a few hundred bytes each.
 BATCH = 500_000
 # A point that is outside by less than this, as a barycentric weight, counts as inside.
 SLACK = 1e-9
 
 
-def points_inside(mesh, origin, step, counts):
-    """Points origin + step * (i, j, k) inside the solid, in batches: once in each tetrahedron that they lie in.
+def points_inside(
+    mesh: TetMesh, origin: np.ndarray, step: float, counts: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Points origin + step * (i, j, k) inside the solid, with (3,) counts along the axes.
 
-    So points on a wall between tetrahedra come several times.
-
-    Parameters
-    ----------
-    mesh : TetMesh
-    origin : (3,) place of the first point
-    step : distance between two
-    counts : (3,) points along each axis
-
-    Yields
-    ------
-    places : (k, 3) integers i, j, k
-    tets : (k,) tetrahedron that each lies in
-    weights : (k, 4) barycentric weights there
+    Yields (k, 3) places i, j, k, the (k,) tetrahedra that they lie in, and (k, 4) barycentric weights there, some at a
+    time; a point on a wall between tetrahedra comes once for each of them.
     """
     corners = (mesh.vertices - origin)[mesh.tets] / step
     low = np.clip(np.ceil(corners.min(axis=1) - SLACK).astype(int), 0, None)
@@ -41,14 +35,14 @@ def points_inside(mesh, origin, step, counts):
         yield places[inside], tets[inside], weights[inside]
 
 
-def _in_box(numbers, sizes):
-    """(k, 3) places of numbered points in boxes; negative numbers count from the end."""
+def _in_box(numbers: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """(k, 3) places of numbered points in boxes of (k, 3) sizes; negative numbers count from the end."""
     numbers, k = np.divmod(numbers, sizes[:, 2])
     numbers, j = np.divmod(numbers, sizes[:, 1])
     return np.column_stack([numbers % sizes[:, 0], j, k])
 
 
-def _weights(mesh, tets, points):
+def _weights(mesh: TetMesh, tets: np.ndarray, points: np.ndarray) -> np.ndarray:
     """(k, 4) barycentric weights of points in tetrahedra."""
     offsets = points - mesh.vertices[mesh.tets[tets, 0]]
     others = np.einsum("kix,kx->ki", mesh.hat_gradients[tets, 1:], offsets)

@@ -113,7 +113,7 @@ class Isolines:
 
     @property
     def lengths(self) -> np.ndarray:
-        """(l,)"""
+        """(l,) length of each line."""
         return np.bincount(self.numbers, self.steps, len(self.sizes))
 
     def chosen(self, lines: np.ndarray) -> "Isolines":
@@ -177,16 +177,15 @@ class Isolines:
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
     """The isolines of stripes, or both families of a quad pattern's grid lines.
 
+    Raises SettingError for another width, a width of quads, or too many lines.
+
     Parameters
     ----------
     edge_phases : EdgePhases
     width : for stripes, the part of a period that is filled, whose edges are drawn; 0 for the middles of stripes, 1 for
         the middles of gaps
 
-    Raises
-    ------
-    SettingError
-        for another width, a width of quads, or too many lines
+    Raises SettingError for another width, a width of quads, or too many lines.
     """
     levels = _levels(edge_phases, width)
     # Lines on the boundary are moved inside, so that they are drawn.

@@ -12,11 +12,8 @@ class Levels:
     """Phases of lines in units of pi, with period 2 and symmetric about 0.
 
     The *label* of a level changes between sheets as phases do, by the sign and by multiples of 2. Labels are integers
-    or halves, so that they compare exactly; an integer label equals the value.
-
-    Attributes
-    ----------
-    values, labels : (m,) the levels of the period [-1, 1), in increasing order
+    or halves, so that they compare exactly; an integer label equals the value. ``values, labels``: (m,) the levels of
+    the period [-1, 1), in increasing order.
     """
 
     values: np.ndarray

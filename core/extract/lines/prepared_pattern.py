@@ -118,4 +118,5 @@ def _places_of_thirds(values: np.ndarray, fixed: np.ndarray) -> np.ndarray:
 
 
 def in_radians(phases: EdgePhases) -> EdgePhases:
+    """Convert phases in half turns to radians."""
     return replace(phases, arguments=np.pi * phases.arguments, changes=np.pi * phases.changes)

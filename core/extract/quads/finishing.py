@@ -48,10 +48,8 @@ def finish_quads(
     rounds : number of smoothing steps
     only_quads : whether all faces become quads
 
-    Raises
-    ------
-    SettingError
-        for a pattern without faces, or whose faces would meet themselves, and for one that loses a handle
+    Raises SettingError for a pattern without faces, or whose faces would meet themselves, and for one that loses a
+    handle.
     """
     check_quads(quads, mesh)
     units = [np.asarray(normal) / np.linalg.norm(normal) for normal in planes]

@@ -8,7 +8,6 @@ from scipy.spatial import cKDTree
 
 from ...geometry import TriangleMesh
 from ...geometry.barycentric import barycentric
-from ...geometry.nearest import NearestTriangles
 from .trace.quad_mesh import QuadMesh
 
 # A vertex nearer to a mirror plane than this share of the object's size lies on it.
@@ -54,7 +53,7 @@ def mirror_half(quads: QuadMesh, mesh: TriangleMesh, normal: np.ndarray) -> Quad
         return quads
     used, corner_vertices = np.unique(np.concatenate(faces), return_inverse=True)
     places = np.concatenate([flat, flat - 2 * np.outer(flat @ unit, unit)])[used]
-    _, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(places)
+    _, triangles = mesh.finder.nearest(places)
     result = replace(
         quads,
         vertices=places,

@@ -5,10 +5,14 @@ Gauss's integral over two segments is the area of the directions in which they a
 Langowski 2000, "Computation of writhe in modeling of supercoiled DNA", method 1a).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from .filaments import Filament
 
 # Pairs of segments that are looked at together.
 _BATCH = 250_000
@@ -37,12 +41,12 @@ class Linked:
     helicity: float
 
     @property
-    def writhes(self):
+    def writhes(self) -> np.ndarray:
         """(k,) of those that come back to themselves."""
         return self.all_writhes[list(self.loops)]
 
 
-def linking_numbers(lines, box):
+def linking_numbers(lines: Sequence[Filament], box: ArrayLike) -> Linked | None:
     """The :class:`Linked` of filaments, None where that would take more than ``MOST_PAIRS`` pairs of segments.
 
     Parameters
@@ -73,7 +77,7 @@ def linking_numbers(lines, box):
     return Linked(tuple(loops), numbers.astype(int), writhes, float(helicity))
 
 
-def _moves_beside(first, second, box):
+def _moves_beside(first: np.ndarray, second: np.ndarray, box: np.ndarray) -> list[tuple[float, ...]]:
     """Moves by whole boxes that bring the box around the second curve to that around the first."""
     low, high = first.min(axis=0) - second.max(axis=0), first.max(axis=0) - second.min(axis=0)
     ways = []
@@ -83,17 +87,17 @@ def _moves_beside(first, second, box):
     return list(product(*ways))
 
 
-def linking_number(first, second):
+def linking_number(first: np.ndarray, second: np.ndarray) -> float:
     """How often a closed polygon passes through another one: (p, 3) and (q, 3) points, a whole number as a float."""
     return _gauss(first, second)
 
 
-def writhe(points):
+def writhe(points: np.ndarray) -> float:
     """Mean of the signed crossings of a closed polygon of (p, 3) points with itself, over all directions."""
     return _gauss(points, points)
 
 
-def _gauss(first, second, closed=True):
+def _gauss(first: np.ndarray, second: np.ndarray, closed: bool = True) -> float:
     """Gauss's double integral over 4 pi, of polygons, or of polylines that are not closed."""
     if closed:
         first, second = np.vstack([first, first[:1]]), np.vstack([second, second[:1]])
@@ -112,7 +116,7 @@ def _gauss(first, second, closed=True):
     return float(total / (4 * np.pi))
 
 
-def _far_areas(a, b, c, d):
+def _far_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> tuple[float, np.ndarray]:
     """Sum of the areas of segments that are far from each other, by Gauss's integrand at their middles, and which pairs
     are near."""
     along, across = b - a, d - c
@@ -125,7 +129,7 @@ def _far_areas(a, b, c, d):
     return float((products / np.where(near, np.inf, squares) ** 1.5).sum()), near
 
 
-def _crossed_areas(a, b, c, d):
+def _crossed_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
     """Signed areas of the directions in which segments a-b and c-d cross; 0 for those that meet or lie in a plane."""
     ac, ad, bc, bd = c - a, d - a, c - b, d - b
     normals = [_unit(np.cross(u, v)) for u, v in ((ac, ad), (ad, bd), (bd, bc), (bc, ac))]
@@ -136,10 +140,10 @@ def _crossed_areas(a, b, c, d):
     return np.where(apart, sines * np.sign(side), 0)
 
 
-def _unit(vectors):
+def _unit(vectors: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
 
 
-def _dot(u, v):
+def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.einsum("...x,...x->...", u, v)

@@ -5,6 +5,8 @@ from itertools import product
 
 import numpy as np
 
+from ...geometry.grid import Grid
+
 # Places tried along both sides of a face, and radii of the vortex's core, in sides.
 _SHARES, _CORES = np.linspace(0.05, 0.95, 10), (0.05, 0.2, 0.4, 0.7, 1.0, 1.5)
 # Misfit in radians within which places count alike, and the share of the flow that may be left for one to count at all.
@@ -13,7 +15,7 @@ _ALIKE, _LEFT = 0.05, 0.2
 _CHUNK = 4096
 
 
-def fitted_places(grid, asked, faces, signs):
+def fitted_places(grid: Grid, asked: np.ndarray, faces: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """(k, 2) shares along both axes of (k,) faces at which single vortices pass; NaN where nothing like one is there.
 
     The flow along the 24 edges of the faces around is compared with that of a straight vortex of one quantum through
@@ -21,7 +23,6 @@ def fitted_places(grid, asked, faces, signs):
 
     Parameters
     ----------
-    grid : Grid
     asked : (e,) phase change along each edge that the flow asks for
     faces : (k,)
     signs : (k,) +1 for vortices that go around as the face does, else -1
@@ -46,7 +47,7 @@ def fitted_places(grid, asked, faces, signs):
     return result
 
 
-def _steps():
+def _steps() -> tuple[np.ndarray, np.ndarray]:
     """(24, 2) first nodes of the edges of 3 by 3 faces, from the first node of the middle one, and (24,) which of the
     two axes they go along."""
     along = [(*step, 0) for step in product((-1, 0, 1), (-1, 0, 1, 2))]
@@ -55,7 +56,7 @@ def _steps():
     return table[:, :2], table[:, 2]
 
 
-def _edges_around(grid, faces, plane):
+def _edges_around(grid: Grid, faces: np.ndarray, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """(k, 24) edges, and (k,) whether all of them are on the grid."""
     steps, kinds = _steps()
     corners = np.column_stack(np.unravel_index(grid.faces[faces, 0], grid.shape))
@@ -71,7 +72,7 @@ def _edges_around(grid, faces, plane):
     return edges, inside
 
 
-def _flows_of_vortices(tried, width, height):
+def _flows_of_vortices(tried: np.ndarray, width: float, height: float) -> np.ndarray:
     """(t, 24) flow of a quantum, 2 pi, along the edges around a face of that size, without its uniform part."""
     steps, kinds = _steps()
     size = np.array([width, height])
@@ -84,7 +85,7 @@ def _flows_of_vortices(tried, width, height):
     return _without_uniform(flows)
 
 
-def _without_uniform(flows):
+def _without_uniform(flows: np.ndarray) -> np.ndarray:
     """(k, 24) flows along the edges without their mean along both axes."""
     _, kinds = _steps()
     means = np.stack([flows[:, kinds == kind].mean(axis=1) for kind in (0, 1)], axis=1)

@@ -5,7 +5,7 @@ On a grid line of quads a phase is a multiple of pi, 1 or -1 as a complex number
 line merge into one node, with an edge to itself that asks for one of these two values.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,8 @@ CORNER = np.radians(30)
 # The least angle between a grid line and the growth of its phase: at half a right angle the line would be as near to
 # the other phase's lines.
 LEAST_ALONG = np.radians(50)
+# Two lines that meet at a smaller angle could both run along the same direction of a cross, without a quad between.
+NARROW = np.radians(50)
 # Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are no features;
 # a boundary always is.
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
@@ -110,16 +112,23 @@ def line_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
 def quads_around(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """(c,) numbers of quads around corners of lines, (k,) edges: the nearest number of right angles between each two
     lines, at least one."""
+    scales = mesh.angle_scales[corners]
+    wedges = zip(_wedges(mesh, edges, corners), scales, strict=True)
+    counts = [np.maximum(np.rint(gaps / scale / (np.pi / 2)), 1).sum() for (_, gaps), scale in wedges]
+    return np.array(counts, int)
+
+
+def _wedges(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The rescaled angles at which lines leave each corner, ascending, and the angles from each one to the next."""
     ends = mesh.edges[edges].ravel()
     angles = mesh.edge_directions[edges].ravel()
-    counts = np.zeros(len(corners), int)
-    for place, corner in enumerate(corners):
+    order = np.lexsort((angles, ends))
+    first = np.searchsorted(ends[order], [corners, corners + 1])
+    for corner, (begin, end) in zip(corners, first.T, strict=True):
+        around = angles[order[begin:end]]
         # At the boundary they count from one of its sides to the other.
-        around = np.sort(angles[ends == corner])
         rest = [] if mesh.boundary_vertices[corner] else [around[0] + 2 * np.pi]
-        gaps = np.diff(around, append=rest) / mesh.angle_scales[corner]
-        counts[place] = np.maximum(np.rint(gaps / (np.pi / 2)), 1).sum()
-    return counts
+        yield around, np.diff(around, append=rest)
 
 
 def _meetings(mesh: TriangleMesh, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -132,8 +141,19 @@ def _meetings(mesh: TriangleMesh, edges: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge or the boundary") -> Row:
-    """The row that holds a grid line on edges where no other row applies."""
-    return Row(line_of_edges(mesh, edges), GRID, name=name)
+    """The row that holds a grid line on edges where no other row applies.
+
+    At corners too narrow for a right angle, the crosses' diagonal runs between the lines, so that there is a quad.
+    """
+    line = line_of_edges(mesh, edges)
+    corners = line_corners(mesh, edges)
+    for corner, (around, gaps) in zip(corners, _wedges(mesh, edges, corners), strict=True):
+        between = around[: len(gaps)] + gaps / 2
+        narrow = gaps < NARROW * mesh.angle_scales[corner]
+        if narrow.any():
+            crosses = np.exp(4j * (between[narrow] + np.pi / 4)).sum()
+            line.angles[line.vertices == corner] = np.angle(crosses) / 4
+    return Row(line, GRID, name=name)
 
 
 def add_grid_lines(growth: Growth, rows: Sequence[Row], links: Links) -> tuple[Links, np.ndarray]:

@@ -118,11 +118,8 @@ def distance_guide(mesh: TriangleMesh, sources: ArrayLike, contour: bool = False
 
     Pieces without a source have no weight.
 
-    Raises :class:`SettingError` for a set that is empty, of another length, or of all vertices.
-
-    Parameters
-    ----------
-    contour : turn a quarter counterclockwise, along the curves with the sources on the left
+    Raises :class:`SettingError` for a set that is empty, of another length, or of all vertices. ``contour``: turn a
+    quarter counterclockwise, along the curves with the sources on the left.
     """
     distances = np.nan_to_num(front_distance(mesh, sources))
     guide = _slope_guide(mesh, distances[mesh.triangles], contour)

@@ -17,7 +17,6 @@ from ...geometry.polylines import check_length, polyline_length
 from ...geometry.tet_mesh import TetMesh
 from ...graphs import ragged_arange
 from .potentials import extend_harmonically, harmonic_function
-from .solid_distance import solid_distance
 
 # Vectors shorter than this share of the longest have no direction.
 ROUNDING = 1e-9
@@ -26,11 +25,6 @@ ROUNDING = 1e-9
 def harmonic_directions(mesh: TetMesh, low: ArrayLike, high: ArrayLike) -> np.ndarray:
     """From one set of vertices to another, (n,) bool each, along the gradient of :func:`harmonic_function`."""
     return gradient_directions(mesh, harmonic_function(mesh, low, high))
-
-
-def distance_directions(mesh: TetMesh, sources: ArrayLike) -> np.ndarray:
-    """Away from a set of vertices, (n,) bool, on the shortest way inside the solid (:func:`solid_distance`)."""
-    return gradient_directions(mesh, solid_distance(mesh, sources))
 
 
 def gradient_directions(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
@@ -88,11 +82,6 @@ def check_vectors(mesh: TetMesh, vectors: ArrayLike) -> np.ndarray:
     if not vectors.any():
         raise SettingError("every guidance vector of the solid is zero: give at least one vertex a direction")
     return vectors
-
-
-def curve_directions(mesh: TetMesh, curves: Sequence[ArrayLike], across: bool = False) -> np.ndarray:
-    """Directions of :func:`curve_vectors`."""
-    return extend_directions(mesh, curve_vectors(mesh, curves, across))
 
 
 def curve_vectors(mesh: TetMesh, curves: Sequence[ArrayLike], across: bool = False) -> np.ndarray:

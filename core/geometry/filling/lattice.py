@@ -53,9 +53,7 @@ class Lattice:
     def edges_across(self, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Find the edges whose ends lie on different sides.
 
-        Parameters
-        ----------
-        sides : (v,) int8, 1 inside, -1 outside, 0 on the surface
+        ``sides``: (v,) int8, 1 inside, -1 outside, 0 on the surface.
 
         Returns
         -------

@@ -93,17 +93,14 @@ class Lengths(NamedTuple):
     ) -> Self:
         """Choose both for a surface that is to be filled, automatically if they are None.
 
+        Raises SettingError for a spacing that is larger than the surface or too fine for the size, and a size that
+        makes no solid, or more than a machine can hold.
+
         Parameters
         ----------
         spacing, size : scene units
         lowest : factor on the spacing where layers are thinnest
         divisions : layers in a period; None for 1, or for as many as the tetrahedra need
-
-        Raises
-        ------
-        SettingError
-            for a spacing that is larger than the surface or too fine for the size, and a size that makes no solid, or
-            more than a machine can hold
         """
         if size is None:
             size = estimate(distance).size

@@ -43,7 +43,10 @@ def fill_surface(signed_distance: Callable[[np.ndarray], np.ndarray], bounds: Ar
     """Fill a closed surface with tetrahedra whose boundary vertices lie on it.
 
     Sharp edges and corners of the surface are cut off within one ``size``. Thinner parts may be lost or severed, and
-    narrower gaps closed; parts that would touch in a vertex or an edge are separated there.
+    narrower gaps closed; parts that would touch in a vertex or an edge are separated there. Returns mesh with dihedral
+    angles within ``DIHEDRAL_BOUNDS`` degrees. Raises SettingError for a size that is not positive, or makes more than
+    ``MOST_CUBES`` cubes; MeshError if the surface leaves the bounds; :class:`NothingInside` if no vertex of the lattice
+    is inside.
 
     Parameters
     ----------
@@ -51,17 +54,6 @@ def fill_surface(signed_distance: Callable[[np.ndarray], np.ndarray], bounds: Ar
         too large, as blocks far from the surface are judged as a whole
     bounds : (2, 3) lowest and highest corner of a box around the surface
     size : longest edge of the lattice inside; its other edges are 0.87 of that
-
-    Returns
-    -------
-    mesh with dihedral angles within ``DIHEDRAL_BOUNDS`` degrees
-
-    Raises
-    ------
-    SettingError
-        for a size that is not positive, or makes more than ``MOST_CUBES`` cubes
-    MeshError
-        if the surface leaves the bounds; :class:`NothingInside` if no vertex of the lattice is inside
     """
     box = np.asarray(bounds, float)
     reach = float(np.linalg.norm(box[1] - box[0]))

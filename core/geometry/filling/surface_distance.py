@@ -21,14 +21,8 @@ from .shells import orient_outwards
 class SurfaceDistance:
     """The signed distance to a closed surface, negative inside: a callable, (k, 3) -> (k,).
 
-    Parameters
-    ----------
-    mesh : closed, without self-intersections; shells may face either way: one in another is a cavity
-
-    Raises
-    ------
-    MeshError
-        as :func:`check_mesh`, and for open edges, with their vertices
+    Raises MeshError as :func:`check_mesh`, and for open edges, with their vertices. ``mesh``: closed, without
+    self-intersections; shells may face either way: one in another is a cavity.
     """
 
     def __init__(self, mesh: TriangleMesh) -> None:

@@ -28,12 +28,9 @@ FINER, MOST_TRIED, MOST_TRIED_CUBES = 0.7, 500_000, 10_000_000
 def fill_with_same_topology(distance: SurfaceDistance, size: float) -> TetMesh:
     """Fill a closed surface with tetrahedra; its sharp edges and corners are cut off within ``size``, the longest edge.
 
-    Raises
-    ------
-    SettingError
-        for a size that makes another body than the surface encloses; names a size that was tried and is fine
-    MeshError
-        as :func:`fill_surface`, and if no size up to ``MOST_TRIED`` tetrahedra and ``MOST_TRIED_CUBES`` cubes is fine
+    Raises SettingError for a size that makes another body than the surface encloses; names a size that was tried and is
+    fine; MeshError as :func:`fill_surface`, and if no size up to ``MOST_TRIED`` tetrahedra and ``MOST_TRIED_CUBES``
+    cubes is fine.
     """
     flaw = _try_filling(distance, size)
     if isinstance(flaw, TetMesh):

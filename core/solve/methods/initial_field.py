@@ -132,6 +132,13 @@ def _search_on_stage(
     return columns[:, :1], timed_out
 
 
+def descend_from(workspace: Workspace, column: np.ndarray, monitor: Monitor) -> np.ndarray:
+    """An (N * width, 1) field after some steps of descent."""
+    stage, piece = workspace.stages[0], workspace.piece
+    density = float(piece.energy(column)[0]) / piece.total_mass
+    return _polish_columns(stage, column.astype(stage.matrix.dtype), density, LAST_STEPS, monitor)
+
+
 def _prolong_to_finest(workspace: Workspace, stage: Stage, columns: np.ndarray) -> np.ndarray:
     """(N * width, k) fields of a stage on the finest one."""
     finest = workspace.stages[0]

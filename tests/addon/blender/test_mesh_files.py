@@ -51,3 +51,16 @@ def test_a_flat_ball_from_a_file_gets_the_quads_of_a_smooth_one(tmp_path, suffix
     report = api.quad_mesh(obj, faces=faces)
     assert report["quad_mesh"]["angle_deviation"] < 10
     assert not report["warnings"]
+
+
+@pytest.mark.any_surface
+def test_triangles_side_by_side_get_the_quads_of_a_joined_mesh(tmp_path):
+    """Of a ball whose triangles share no vertex; the normals that are carried must not mark all edges as sharp."""
+    mesh = sphere(3).data
+    places = [mesh.vertices[corner].co for face in mesh.polygons for corner in face.vertices]
+    lines = [f"v {x} {y} {z}" for x, y, z in places] + [f"f {k} {k + 1} {k + 2}" for k in range(1, len(places), 3)]
+    joined = len(places) - len(mesh.vertices)
+    (tmp_path / "soup.obj").write_text("\n".join(lines))
+    report = api.quad_mesh(files.open_object(tmp_path / "soup.obj"), faces=1500)
+    assert report["surface"]["joined"] == joined > 100
+    assert report["quad_mesh"]["angle_deviation"] < 6 and report["quad_mesh"]["closed"]

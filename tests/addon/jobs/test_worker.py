@@ -204,7 +204,8 @@ def test_megabytes_are_handed_over_in_few_looks():
     worker = Worker(2**33)
     while not worker.is_ready:
         worker.exchange()
-    request = replace(FieldJob("directions", sphere(), SurfaceSettings()).request, turn=np.zeros(8_000_000))
+    request = FieldJob("directions", sphere(), SurfaceSettings()).request
+    request = replace(request, source=replace(request.source, turns=np.zeros(8_000_000)))
     worker.ask(request)
     ticks = 0
     while worker._outgoing:

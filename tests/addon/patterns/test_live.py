@@ -21,7 +21,9 @@ from ..scenes import attribute, empties, snapshot, sphere, tube
 
 
 @pytest.fixture(autouse=True)
-def _ends():
+def _ends(monkeypatch):
+    """Every test begins anew, and nothing settles but where a test lets it."""
+    monkeypatch.setattr(live_module, "_REST", np.inf)
     live.clear()
     yield
     live.clear()
@@ -196,6 +198,71 @@ def test_small_steps_change_little_and_each_begins_where_the_last_one_ended():
         changes.append(np.abs(np.cos(attribute(obj, "synch_phase")) - np.cos(before)).mean())
         counts.append(len(empties(obj, "dislocation")))
     assert max(changes) < 0.15 and np.abs(np.diff(counts)).max() <= 2
+
+
+def settled(seconds=60.0):
+    """Look until the pattern has settled; every energy that was shown meanwhile."""
+    obj, energies, end = bpy.context.active_object, [], time.monotonic() + seconds
+    while live._changed is not None and time.monotonic() < end:
+        live.step(bpy.context)
+        if (energy := memory.state(obj).plain["energy"]) not in energies:
+            energies.append(energy)
+        time.sleep(0.005)
+    return energies
+
+
+@pytest.mark.parametrize("command", ["stripes", "quads"])
+def test_after_a_rest_a_better_pattern_fades_in_and_is_proved(monkeypatch, command):
+    obj = striped(lambda: sphere(5), command, spacing=0.2)
+    for step in range(1, 9):
+        obj.synch.spacing = 0.2 * 1.01**step
+        assert followed() == 1
+    shown, count = memory.state(obj), len(memory._fields.get(obj)._unmade)
+    monkeypatch.setattr(live_module, "_REST", 0.0)
+    monkeypatch.setattr(live_module, "_FADE", 1.0)
+    energies = settled()
+    assert len(energies) > 3  # as it fades
+    after = memory.state(obj)
+    anew = FieldJob(command, obj, stored_settings(obj)).request.solve()
+    assert after.plain["energy"] == energies[-1] == min(energies) < 0.9 * shown.plain["energy"]
+    assert after.plain["energy"] < 1.15 * anew.pattern.energy and after.plain["certificate"] == "proved"
+    np.testing.assert_allclose(attribute(obj, "synch_direction"), shown.field.vectors, atol=1e-5)
+    assert len(memory._fields.get(obj)._unmade) == count and followed() == 0
+
+
+def test_directions_settle_where_guides_have_turned_them(monkeypatch):
+    obj = tube()
+    obj.synch.guidance, obj.synch.guide.axis = "AXIS", "Z"
+    row = add_row(obj, where="BOUNDARY", what="ALONG", soft=True, weight=0.01)
+    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
+    solve(obj)
+    row.weight = 100.0
+    assert followed() == 1
+    monkeypatch.setattr(live_module, "_REST", 0.0)
+    settled()
+    directions = memory.state(obj).plain["directions"]
+    anew = FieldJob("stripes", obj, stored_settings(obj)).request.directed()
+    assert directions["energy"] == pytest.approx(anew.energy, rel=0.01) and directions["certificate"] == "proved"
+
+
+def test_a_new_setting_ends_what_settles(monkeypatch):
+    obj = striped(lambda: sphere(5), spacing=0.2)
+    obj.synch.spacing = 0.21
+    assert followed() == 1
+    monkeypatch.setattr(live_module, "_REST", 0.0)
+    live.step(bpy.context)
+    assert live._work is not None and live._work.job.request.settles
+    obj.synch.spacing = 0.22
+    assert followed() == 1 and memory.state(obj).report.settings.spacing == pytest.approx(0.22)
+
+
+def test_what_a_click_has_solved_does_not_settle(monkeypatch):
+    obj = striped(spacing=0.4)
+    obj.synch.spacing = 0.41
+    assert followed() == 1
+    report = solve(obj)
+    monkeypatch.setattr(live_module, "_REST", 0.0)
+    assert settled() in ([], [report["energy"]]) and memory.state(obj).plain is report
 
 
 def test_a_full_solve_afterwards_is_proved():

@@ -422,7 +422,7 @@ def test_more_faces_than_a_finer_surface_can_have_are_refused_with_a_number_that
     ) as caught:
         FieldJob("quad_mesh", obj, SurfaceSettings(faces=100_000))
     fitting = int(re.search(r"ask for (\d+)", str(caught.value))[1])
-    assert FieldJob("quad_mesh", obj, SurfaceSettings(faces=fitting)).request.faces == fitting
+    assert FieldJob("quad_mesh", obj, SurfaceSettings(faces=fitting)).request.settings.faces == fitting
 
 
 def test_a_mesh_of_parts_too_thin_for_any_number_of_faces_is_refused_with_what_helps(monkeypatch):

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.refinement.spacing import carried_spacing
+from synch_fields.core.refinement.spacing import automatic_spacing, carried_spacing, lines_in_period
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import groups, meshes
 from synch_fields.synch_addon.patterns import refine
-from synch_fields.synch_addon.reading import surface as reading
 
 from ..run_commands import undo_and_redo
 from ..scenes import (
@@ -74,7 +73,7 @@ def test_the_panel_tells_the_automatic_spacing(build, command):
     add_group(obj, "finer", range(len(obj.data.vertices)))
     obj.synch.spacing_map, obj.synch.spacing_range = "finer", 0.25  # multiplies what is told
     bpy.context.view_layer.update()
-    exact = reading.automatic_spacing(command, meshes.read_mesh(obj).mesh)
+    exact = automatic_spacing(meshes.read_mesh(obj).mesh, lines_in_period(command))
     assert refine.expected_spacing(command, obj) == pytest.approx(exact, rel=0.1)
 
 

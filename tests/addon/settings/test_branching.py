@@ -77,8 +77,8 @@ def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
         ("quad_mesh", 0.0, 0.95),
         ("directions", None, 1.0),
     ):
-        request = FieldJob(command, obj, SurfaceSettings(spacing=0.2)).request
-        assert (request.branching, request.singularities) == (branching, singularities)
+        settings = FieldJob(command, obj, SurfaceSettings(spacing=0.2)).request.settings
+        assert (settings.branching, settings.singularities) == (branching, singularities)
     obj = lumps()
     report = api.quad_mesh(obj, spacing=0.2)
     assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.95)
@@ -178,7 +178,7 @@ def test_frames_have_them():
     job = AnimationJob(obj, SurfaceSettings(spacing=0.2, branching=0.25, singularities=0.5), Span(1, 2))
     while job.advance() is not None:
         pass
-    assert [(r.branching, r.singularities) for r in job.request.requests] == [(0.25, 0.5)] * 2
+    assert [(r.settings.branching, r.settings.singularities) for r in job.request.requests] == [(0.25, 0.5)] * 2
     report = api.animate(obj, frames=(1, 2), pattern="quads", spacing=0.2, branching=0.0, singularities=0.0)
     assert [(f["dislocations"], f["disclinations"]) for f in report["frames"]] == [(0, 0)] * 2
     assert stored_frames(obj) == [1, 2] and report["settings"]["branching"] == 0

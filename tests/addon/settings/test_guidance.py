@@ -224,7 +224,7 @@ REFUSED = {
     "attribute:still=1": "attribute:still: every guidance vector is zero or points straight out of the surface",
     "attribute:still": "the guidance vector of vertex 0 (162 in all) is zero or points straight out of the surface",
     "file:absent.rosy": "absent.rosy cannot be read (No such file or directory): check the path",
-    "file:field.txt": "field.txt is no known field file: use the suffix .rawfield or .rosy",
+    "file:field.txt": "field.txt is not a field file: use the suffix .rawfield or .rosy",
 }
 
 

@@ -4,8 +4,9 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
-from synch_fields.core.algebra.metric import Hierarchy, Metric
+from synch_fields.core.algebra.metric import Hierarchy, Metric, with_positive_diagonal
 from synch_fields.core.connection import Connection
 from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
@@ -101,3 +102,13 @@ def test_the_metric_of_a_lifted_field_is_near_the_laplacian_less_its_multipliers
     rough = stage.lifted.normalize(random_columns(piece, 6, np.random.default_rng(0)))
     inverse = stage.metric_at(rough).solve(unit)
     assert np.linalg.eigvalsh(0.5 * (inverse + inverse.conj().T))[0] > 0
+
+
+def test_diagonals_that_rounding_made_negative_are_raised_and_others_kept():
+    matrix = csr_matrix(np.array([[-2e-5, 1e-5, 0], [1e-5, 4e-5, 0], [0, 0, 1]], np.complex64))
+    raised = with_positive_diagonal(matrix)
+    np.testing.assert_allclose(raised.diagonal(), [2e-4, 2e-4, 1], rtol=1e-5)
+    assert raised.dtype == matrix.dtype and raised[0, 1] == matrix[0, 1]
+    assert np.linalg.eigvalsh(raised.toarray()).min() > 0
+    positive = only_piece(MULTILEVEL[0].values[0]()).matrix
+    assert with_positive_diagonal(positive) is positive

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from synch_fields.core.batch.process_pool import ProcessPool
+from synch_fields.core.batch.child_loop import ProcessPool
 from synch_fields.core.batch.records import Records
 from synch_fields.core.batch.rows import Row
 from synch_fields.core.batch.run import Planned, plan, run_rows
@@ -178,7 +178,7 @@ def test_a_plan_keeps_what_cannot_be_a_row_and_makes_no_folder(tmp_path):
     planned = plan([["info", "1", str(path)], ["wrong"], told], understood, {})
     assert not path.parent.exists()
     assert [row.key is None for row in planned] == [False, True, True]
-    assert [row.told for row in planned[1:]] == ["this command is wrong", "no JSON"]
+    assert [row.content for row in planned[1:]] == ["this command is wrong", "no JSON"]
 
 
 def test_two_rows_that_write_the_same_file_are_refused(tmp_path):

@@ -12,7 +12,7 @@ from synch_fields.core.algebra.products import SharedRows
 from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, spherical_map
-from synch_fields.core.fields.clebsch_frames import advance_phases, following_map, following_sphere, potential
+from synch_fields.core.fields.clebsch_frames import advance_phases, potential, solve_next_map, solve_next_sphere
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.solve import Options
 
@@ -50,7 +50,7 @@ def frames():
     warm, cold = [(first, 0)], []
     for frame in FRAMES[1:]:
         with counted_products() as work:
-            warm.append((following_map(warm[-1][0], integrals(*frame), OPTIONS), sum(work)))
+            warm.append((solve_next_map(warm[-1][0], integrals(*frame), OPTIONS), sum(work)))
         with counted_products() as work:
             cold.append((clebsch_map(GRID, integrals(*frame), 1.0, OPTIONS), sum(work)))
     return warm, cold
@@ -89,12 +89,12 @@ def test_a_wind_without_vorticity_changes_neither_filaments_nor_the_sphere(frame
     first = frames[0][0][0]
     wind = edge_integrals(GRID, np.tile([7.0, -3.0, 2.0], (GRID.node_count, 1)))
     with counted_products() as work:
-        blown = following_map(first, first.integrals + wind, OPTIONS)
+        blown = solve_next_map(first, first.integrals + wind, OPTIONS)
     assert sum(work) < frames[0][1][1]
     np.testing.assert_array_equal(blown.face_numbers, first.face_numbers)
     assert blown.energy == pytest.approx(first.energy, rel=1e-3)
     before = spherical_map(first)
-    np.testing.assert_allclose(following_sphere(before, blown).sphere, before.sphere, atol=0.02)
+    np.testing.assert_allclose(solve_next_sphere(before, blown).sphere, before.sphere, atol=0.02)
 
 
 def test_phases_are_turned_to_those_before(frames):
@@ -106,13 +106,13 @@ def test_phases_are_turned_to_those_before(frames):
 def test_the_sphere_hardly_moves_where_the_flow_does_not(frames):
     (first, _), (second, _) = frames[0][:2]
     before = spherical_map(first)
-    same = following_sphere(before, first)
+    same = solve_next_sphere(before, first)
     np.testing.assert_allclose(same.sphere, before.sphere, atol=0.02)
     assert same.energy <= before.energy * (1 + 1e-6)
     turned = type(before)(first, before.lifted @ np.array([[0.6, 0.8], [-0.8, 0.6]]), before.energy, 0.0)
     assert np.abs(turned.sphere - before.sphere).max() > 0.5
-    np.testing.assert_allclose(following_sphere(turned, first).sphere, turned.sphere, atol=0.02)
-    moved = following_sphere(before, second)
+    np.testing.assert_allclose(solve_next_sphere(turned, first).sphere, turned.sphere, atol=0.02)
+    moved = solve_next_sphere(before, second)
     assert second.solution.lower_bound * (1 - 1e-6) <= moved.energy <= second.energy
     change = np.linalg.norm(moved.sphere - before.sphere, axis=1)
     apart = np.linalg.norm(spherical_map(second).sphere - before.sphere, axis=1)

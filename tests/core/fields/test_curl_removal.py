@@ -18,9 +18,7 @@ from synch_fields.core.fields.curl_removal import (
     surface_circulation,
 )
 from synch_fields.core.fields.directions import LARGEST_RATIO, direction_problem
-from synch_fields.core.fields.patterns import pattern_problem
-from synch_fields.core.fields.quads import quad_pattern
-from synch_fields.core.fields.stripes import stripe_pattern
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem, quad_pattern, stripe_pattern
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, dislocation_numbers
@@ -216,10 +214,10 @@ def test_numbering_position_and_size_do_not_matter(kind):
     field = given_directions(mesh, 2, around_axis(mesh))
     change = Change(mesh, kind, 1)
     phases = np.exp(1j * np.random.default_rng(0).uniform(-np.pi, np.pi, mesh.vertex_count))
-    before = pattern_problem(mesh, field, 0.15, branching=0.5)
-    after = pattern_problem(change.new, change.field(field), 0.15 * change.scale, branching=0.5)
+    before = pattern_problem(mesh, field, PatternWishes(0.15, branching=0.5))
+    after = pattern_problem(change.new, change.field(field), PatternWishes(0.15 * change.scale, branching=0.5))
     assert after.energy(change.phases(phases)) == pytest.approx(before.energy(phases), rel=1e-9)
-    asked = pattern_problem(mesh, field, 0.15)
+    asked = pattern_problem(mesh, field, PatternWishes(0.15))
     assert before.energy(phases) != pytest.approx(asked.energy(phases), rel=1e-3)
 
 
@@ -295,7 +293,7 @@ def test_a_phase_held_on_the_boundary_stays_and_enters_the_closed_form():
     x = mesh.vertices[:, 0]
     spacing = 0.2 * (1 + 0.3 * x / 2)
     rows = [boundary_row(mesh, "phase")]
-    problem = pattern_problem(mesh, field, spacing, rows, branching=0.0)
+    problem = pattern_problem(mesh, field, PatternWishes(spacing, rows, branching=0.0))
     rim = mesh.boundary_vertices[mesh.edges].all(axis=1)
     np.testing.assert_allclose(np.angle(problem.connection.transports[rim]), 0, atol=1e-9)
     pattern = stripe_pattern(mesh, field, spacing, rows, branching=0.0)
@@ -309,7 +307,7 @@ def test_a_share_out_of_range_is_refused(share):
     mesh = square(4)
     field = given_directions(mesh, 2, np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
     with pytest.raises(SettingError, match=r"branching is .* give a share from 0 to 1"):
-        pattern_problem(mesh, field, 0.2, branching=share)
+        pattern_problem(mesh, field, PatternWishes(0.2, branching=share))
     with pytest.raises(SettingError, match=r"singularities is .* give a share from 0 to 1"):
         direction_problem(mesh, 2, DirectionWishes(singularities=share))
 

@@ -9,7 +9,7 @@ from synch_fields.core.connection import Connection, circle_transports, levi_civ
 from synch_fields.core.defects import wrap
 from synch_fields.core.fields import DirectionField, direction_field, given_directions
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.stripes import stripe_pattern, stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem, stripe_pattern
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import dislocation_numbers
@@ -133,7 +133,7 @@ def test_a_stripe_pattern_keeps_its_energy_and_defects(build, kind, symmetry):
     for seed in range(3):
         change = Change(mesh, kind, seed)
         moved_field, phases = change.field(field), change.phases(pattern.solution.phases)
-        problem = stripe_problem(change.new, moved_field, change.scale * spacing)
+        problem = pattern_problem(change.new, moved_field, PatternWishes(change.scale * spacing))
         assert problem.energy(phases) == pytest.approx(pattern.solution.energy, rel=1e-9)
         moved = TargetOneForm.of(change.new, moved_field, change.scale * spacing).edge_phases(phases)
         moved_numbers, moved_torn = dislocation_numbers(moved, change.new.triangles)
@@ -174,7 +174,7 @@ def test_other_representatives_of_the_directions_give_the_same_stripes(build, sy
     other = given_directions(mesh, symmetry, np.where(over[:, None], -1, 1) * field.vectors)
     phases = np.exp(1j * np.random.default_rng(1).uniform(-np.pi, np.pi, mesh.vertex_count))
     turned = np.where(over, phases.conj(), phases)
-    first, second = stripe_problem(mesh, field, spacing), stripe_problem(mesh, other, spacing)
+    first, second = (pattern_problem(mesh, one, PatternWishes(spacing)) for one in (field, other))
     assert second.energy(turned) == pytest.approx(first.energy(phases), rel=1e-9)
     bounds = [solve(p, Options(target_gap=1e-4, rounding="svd")).lower_bound for p in (first, second)]
     assert bounds[1] == pytest.approx(bounds[0], rel=2e-4)

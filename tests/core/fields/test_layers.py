@@ -8,9 +8,10 @@ import pytest
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.extract.layers.defect_curves import defect_curves
+from synch_fields.core.fields.guidance.solid_distance import solid_distance
 from synch_fields.core.fields.guidance.solids import (
     axis_directions,
-    distance_directions,
+    gradient_directions,
     harmonic_directions,
 )
 from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, layer_problem, solve_layers
@@ -76,7 +77,7 @@ def test_between_concentric_spheres_layers_are_spheres(guide, count):
     inner, outer = mesh.boundary_vertices & (radius < 1.01), mesh.boundary_vertices & (radius > 1.79)
     directions = {
         "radius": lambda: mesh.vertices / radius[:, None],
-        "distance": lambda: distance_directions(mesh, inner),
+        "distance": lambda: gradient_directions(mesh, solid_distance(mesh, inner)),
         "harmonic": lambda: harmonic_directions(mesh, inner, outer),
     }[guide]()
     spacing = 0.8 / count

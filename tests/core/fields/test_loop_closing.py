@@ -11,8 +11,7 @@ from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.curl_removal import SMALLEST_WEIGHT, surface_circulation
 from synch_fields.core.fields.loop_closing import LoopClosing, MeshWalks, _ChangeMirror, cosines
 from synch_fields.core.fields.mirror import Mirror
-from synch_fields.core.fields.patterns import change_pattern
-from synch_fields.core.fields.quads import quad_pattern
+from synch_fields.core.fields.patterns import change_pattern, quad_pattern
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.geometry.polygons import Polygons

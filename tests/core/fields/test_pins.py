@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import DirectionWishes, direction_field
-from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import dislocation_numbers
 
@@ -73,7 +73,7 @@ def test_on_a_disc_directions_turn_evenly_around_a_pin(turns):
 def test_stripes_along_pinned_directions_end_in_the_same_triangle():
     mesh = icosphere(3)
     field = direction_field(mesh, 2, DirectionWishes(pins=((100, 0.5),)))
-    pattern = solve_pattern(mesh, field, 0.5)
+    pattern = solve_pattern(mesh, field, PatternWishes(0.5))
     torn = dislocation_numbers(pattern.edge_phases, mesh.triangles)[1]
     assert set(np.flatnonzero(torn)) == set(indices(field))
 

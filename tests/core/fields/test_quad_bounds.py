@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.connection import Connection, as_matrices, circle_transports
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern
-from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
@@ -52,7 +52,7 @@ def unremarkable(build, spacing, seed=0):
     mesh = build()
     field = turned_crosses(direction_field(mesh, 4), random_turns(mesh, seed))
     assert field.disclinations == []
-    return quad_problem(mesh, field, spacing)
+    return pattern_problem(mesh, field, PatternWishes(spacing))
 
 
 @pytest.mark.parametrize(
@@ -96,15 +96,15 @@ def test_fixed_phases_do_not_come_between_the_two_ways():
 @pytest.mark.parametrize("build", [lambda: icosphere(2), cube, torus, double_torus])
 def test_quads_around_disclinations_need_real_coordinates(build):
     mesh = build()
-    problem = quad_problem(mesh, direction_field(mesh, 4), np.ptp(mesh.vertices, axis=0).max() / 5)
+    problem = pattern_problem(mesh, direction_field(mesh, 4), PatternWishes(np.ptp(mesh.vertices, axis=0).max() / 5))
     assert not problem.is_complex and problem.block == 2
     assert sum(piece.node_count for piece in problem.pieces) == 2 * mesh.vertex_count
 
 
 def test_two_waves_are_two_pieces_until_a_disclination_joins_them():
     flat, sphere = square(5), icosphere(1)
-    assert len(quad_problem(flat, plane_crosses(flat)[0], 0.4).pieces) == 2
-    assert len(quad_problem(sphere, direction_field(sphere, 4), 0.4).pieces) == 1
+    assert len(pattern_problem(flat, plane_crosses(flat)[0], PatternWishes(0.4)).pieces) == 2
+    assert len(pattern_problem(sphere, direction_field(sphere, 4), PatternWishes(0.4)).pieces) == 1
 
 
 # Brute force
@@ -136,7 +136,7 @@ def test_tiny_patterns_lie_between_their_bound_and_the_optimum(build, seed):
     field = given_directions(mesh, 4, random.standard_normal((mesh.vertex_count, 3)))
     spacing = random.uniform(0.4, 1.0, mesh.vertex_count)
     connection = TargetOneForm.of(mesh, field, spacing).connection
-    problem = quad_problem(mesh, field, spacing)
+    problem = pattern_problem(mesh, field, PatternWishes(spacing))
     solution = solve(problem, Options(target_gap=1e-4, samples=32))
     best = brute_force(connection)
     assert solution.lower_bound <= best * (1 + 1e-9) + 1e-10

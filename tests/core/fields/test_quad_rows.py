@@ -19,7 +19,7 @@ from synch_fields.core.fields import (
 )
 from synch_fields.core.fields.constraints.lines import line_of_group, line_of_points
 from synch_fields.core.fields.mirror import Mirror
-from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.problem import Merged, Targets
@@ -80,7 +80,9 @@ def test_a_phase_on_the_whole_boundary_stretches_the_grid_evenly(spacing, value)
 
 def test_corners_have_both_phases_and_other_vertices_one():
     mesh = square(8)
-    problem = quad_problem(mesh, plane_crosses(mesh)[0], 0.25, [boundary_row(mesh, "phase", value=0.4)])
+    problem = pattern_problem(
+        mesh, plane_crosses(mesh)[0], PatternWishes(0.25, [boundary_row(mesh, "phase", value=0.4)])
+    )
     fixed = np.bincount(problem.fixed.nodes // 2, minlength=mesh.vertex_count)
     sides = sum(on_side(mesh, name).astype(int) for name in SIDES)
     np.testing.assert_array_equal(fixed, sides)
@@ -109,7 +111,7 @@ def test_a_phase_along_a_chain_inside(seed):
     line = chain(mesh, np.abs(mesh.vertices[:, 0] - 0.5) < 1e-9)
     pattern = quad_pattern(mesh, field, 0.31, [Row(line, "phase", 0.9)])
     assert pattern.solution.energy < 1e-12
-    assert len(quad_problem(mesh, field, 0.31, [Row(line, "phase", 0.9)]).fixed.nodes) == 11
+    assert len(pattern_problem(mesh, field, PatternWishes(0.31, [Row(line, "phase", 0.9)])).fixed.nodes) == 11
     along_x = phases_towards(pattern, angles, (1, 0))
     offset = np.angle(along_x[line.nodes[0]])
     assert abs(offset) == pytest.approx(0.9)  # it grows to the left of a chain that may run either way
@@ -196,7 +198,7 @@ def test_a_constant_phase_straightens_a_slanting_grid(seed):
     assert np.ptp(phases_towards(free, angles, (1, 0))[left].real) > 0.5
     phases = phases_towards(held, angles, (1, 0))[left]
     np.testing.assert_allclose(phases, phases[0], atol=1e-9)
-    problem = quad_problem(mesh, field, 0.3, [row])
+    problem = pattern_problem(mesh, field, PatternWishes(0.3, [row]))
     assert len(problem.merged.nodes) == 12 and len(np.unique(problem.merged.roots)) == 1
 
 
@@ -216,7 +218,10 @@ def test_rows_do_not_depend_on_representatives(kind):
     field = direction_field(mesh, 4, DirectionWishes(rows=(boundary_row(mesh),)))
     angles = np.pi / 2 * np.random.default_rng(0).integers(0, 4, (3, mesh.vertex_count))
     bounds = [
-        solve(quad_problem(mesh, field.turned(turned), 0.21, [boundary_row(mesh, kind, value=0.6)]), TIGHT).lower_bound
+        solve(
+            pattern_problem(mesh, field.turned(turned), PatternWishes(0.21, [boundary_row(mesh, kind, value=0.6)])),
+            TIGHT,
+        ).lower_bound
         for turned in angles
     ]
     assert bounds[0] > 0.1
@@ -231,7 +236,7 @@ def test_two_phases_on_one_side_name_its_vertices():
     right = boundary_row(mesh, "phase", on_side(mesh, "right")).line
     rows = [Row(right, "phase", 0.0, name="row A"), Row(right, "phase", 1.0, name="row B")]
     with pytest.raises(ContradictionError, match="row A and row B fix vertices 42, 43, 44 and 4 more to diff") as error:
-        quad_problem(mesh, plane_crosses(mesh)[0], 0.3, rows)
+        pattern_problem(mesh, plane_crosses(mesh)[0], PatternWishes(0.3, rows))
     np.testing.assert_array_equal(error.value.vertices, np.flatnonzero(on_side(mesh, "right")))
 
 
@@ -240,7 +245,7 @@ def test_a_point_on_a_side_with_another_phase_is_named():
     point = Row(line_of_points(mesh, np.array([45])), "phase", 2.0, name="row P")
     side = boundary_row(mesh, "phase", on_side(mesh, "right"))
     with pytest.raises(ContradictionError, match="fix vertex 45 to different phases") as error:
-        quad_problem(mesh, plane_crosses(mesh)[0], 0.3, [side, point])
+        pattern_problem(mesh, plane_crosses(mesh)[0], PatternWishes(0.3, [side, point]))
     np.testing.assert_array_equal(error.value.vertices, [45])
 
 
@@ -251,7 +256,7 @@ def test_a_constant_side_between_two_phases_names_their_vertices():
     ends = [Row(line_of_group(mesh, (x == 1) & (y == side)), "phase", 0.5 + side) for side in (0, 1)]
     line = Row(chain(mesh, x == 1), "constant", name="row C")
     with pytest.raises(ContradictionError, match="row C joins vertices 42, 48, for which different values") as error:
-        quad_problem(mesh, field, 0.3, [*ends, line])
+        pattern_problem(mesh, field, PatternWishes(0.3, [*ends, line]))
     np.testing.assert_array_equal(error.value.vertices, [42, 48])
 
 
@@ -298,7 +303,7 @@ def test_mirrored_quads_on_a_bent_sheet(guide, axes):
     field = direction_field(mesh, 4, DirectionWishes(rows=rows, mirrors=tuple(mirrors)))
     pattern = quad_pattern(mesh, field, 0.4, mirrors=mirrors)
     assert_mirrored(pattern.solution, mirrors)
-    solution, free = pattern.solution, quad_problem(mesh, field, 0.4)
+    solution, free = pattern.solution, pattern_problem(mesh, field, PatternWishes(0.4))
     assert 0 < solution.lower_bound <= solution.energy
     assert free.energy(solution.phases) == pytest.approx(solution.energy, rel=1e-9)
     assert solution.energy >= solve(free).lower_bound

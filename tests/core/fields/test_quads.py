@@ -13,7 +13,7 @@ from synch_fields.core.fields import (
     quad_pattern,
     stripe_pattern,
 )
-from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
@@ -216,7 +216,7 @@ def test_turned_representatives_change_nothing_but_names(build, seed):
     other = turned_crosses(field, turns)
     pattern = quad_pattern(mesh, field, spacing)
     phases = turned_phases(pattern.solution.phases.reshape(-1, 2), turns).ravel()
-    first, second = quad_problem(mesh, field, spacing), quad_problem(mesh, other, spacing)
+    first, second = (pattern_problem(mesh, one, PatternWishes(spacing)) for one in (field, other))
     assert second.energy(phases) == pytest.approx(first.energy(pattern.solution.phases), rel=1e-9)
     np.testing.assert_allclose(products(phases), products(pattern.solution.phases), atol=1e-12)
     moved = TargetOneForm.of(mesh, other, spacing).edge_phases(phases)
@@ -244,7 +244,7 @@ def test_a_quad_pattern_keeps_its_energy_and_defects(build, kind):
     old = np.argsort(vertex)
     moved_field = given_directions(other, 4, vectors[old])
     phases = pattern.solution.phases.reshape(-1, 2)[old].ravel()
-    problem = quad_problem(other, moved_field, scale * spacing)
+    problem = pattern_problem(other, moved_field, PatternWishes(scale * spacing))
     assert problem.energy(phases) == pytest.approx(pattern.solution.energy, rel=1e-9)
     moved = TargetOneForm.of(other, moved_field, scale * spacing).edge_phases(phases)
     for before, after in zip(found_numbers(pattern.edge_phases), found_numbers(moved), strict=True):
@@ -261,8 +261,6 @@ def test_fields_of_other_symmetries_are_refused_both_ways():
     for symmetry in (1, 2):
         with pytest.raises(SettingError, match="quads need a cross field"):
             quad_pattern(mesh, direction_field(mesh, symmetry), 0.5)
-        with pytest.raises(SettingError, match="quads need a cross field"):
-            quad_problem(mesh, direction_field(mesh, symmetry), 0.5)
     with pytest.raises(SettingError, match="vector or line"):
         stripe_pattern(mesh, direction_field(mesh, 4), 0.5)
 

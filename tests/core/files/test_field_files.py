@@ -190,20 +190,20 @@ def test_numbering_place_and_size_do_not_matter():
     ("name", "text", "message"),
     [
         ("a.rawfield", "", "a.rawfield ends before its header: start with"),
-        ("a.rawfield", "4\n", "a.rawfield, line 1: '4' is no header, start with \"N faces\""),
-        ("a.rawfield", "\n4 x\n", "a.rawfield, line 2: '4 x' is no header"),
-        ("a.rawfield", "0 1\n\n", "a.rawfield, line 1: '0 1' is no header"),
+        ("a.rawfield", "4\n", "a.rawfield, line 1: '4' is not a header, start with \"N faces\""),
+        ("a.rawfield", "\n4 x\n", "a.rawfield, line 2: '4 x' is not a header"),
+        ("a.rawfield", "0 1\n\n", "a.rawfield, line 1: '0 1' is not a header"),
         ("a.rawfield", "1 2\n1 0 0\n", "a.rawfield promises 2 faces and has 1 lines of vectors"),
         ("a.rawfield", "1 1\n1 0 0\n1 0 0\n", "a.rawfield promises 1 faces and has 2 lines of vectors"),
         ("a.rawfield", "2 2\n1 0 0 1 0 0\n1 0 0\n", "a.rawfield, line 3: 3 numbers where 6 are needed"),
         ("a.rawfield", "1 2\n1 0 0\n1 0 zero\n", "a.rawfield, line 3: '1 0 zero' is not all finite numbers, correct"),
         ("a.rawfield", "1 2\n1 nan 0\n1 0 0\n", "a.rawfield, line 2: '1 nan 0' is not all finite numbers"),
         ("a.rosy", "2\n", "a.rosy ends before its header: start with a line for the number of faces"),
-        ("a.rosy", "2 4\n1 0 0\n1 0 0\n", "a.rosy, line 1: '2 4' is no header, start with a line"),
+        ("a.rosy", "2 4\n1 0 0\n1 0 0\n", "a.rosy, line 1: '2 4' is not a header, start with a line"),
         ("a.rosy", "2\n4\n1 0 0\n", "a.rosy promises 2 faces and has 1 lines"),
         ("a.rosy", "1\n4\n1 0\n", "a.rosy, line 3: 2 numbers where 3 are needed"),
         ("a.rosy", "1\n4\n1 0 é\n", "a.rosy is not a text file: export the field again"),
-        ("a.field", "1\n", "a.field is no known field file: use the suffix .rawfield or .rosy"),
+        ("a.field", "1\n", "a.field is not a field file: use the suffix .rawfield or .rosy"),
     ],
 )
 def test_malformed_files_are_refused_in_one_line(tmp_path, name, text, message):
@@ -244,7 +244,7 @@ def test_fields_that_do_not_fit_are_refused(tmp_path):
 def test_headers_without_a_number_that_can_be_are_refused_in_one_line(tmp_path, text):
     path = tmp_path / "field.rosy"
     path.write_text(text + "1 0 0\n1 0 0\n")
-    with pytest.raises(SettingError, match=r"line \d: .* is no header") as caught:
+    with pytest.raises(SettingError, match=r"line \d: .* is not a header") as caught:
         read_field(path)
     assert len(str(caught.value)) < 300
 

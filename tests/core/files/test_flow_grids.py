@@ -2,10 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flows in the files of other programs: each is the one that was written, and damaged ones are refused in one line."""
 
-import struct
-import zlib
-from base64 import b64encode
-
 import numpy as np
 import pytest
 from scipy.io import netcdf_file
@@ -14,8 +10,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.core.files.flow_grids import GridFlow
 from synch_fields.core.files.flows import flow_file
 
-SHAPE, SPACING, ORIGIN = (5, 6, 7), (0.5, 0.25, 0.125), (1.0, 2.0, -3.0)
-VELOCITY = np.random.default_rng(0).standard_normal((*SHAPE, 3))
+from .flow_writers import AXES, ORIGIN, SHAPE, SPACING, UVW, VELOCITY, hdf5, netcdf, vti, vtk_mesh
 
 
 def check(flow, velocity=VELOCITY, shape=SHAPE, spacing=SPACING, origin=ORIGIN, rough=1e-12):
@@ -34,46 +29,6 @@ def refusal(path):
 
 
 # Images of VTK
-
-
-def fortran(values):
-    """In VTK's order: the first axis fastest."""
-    return values.transpose(2, 1, 0, 3).ravel() if values.ndim == 4 else values.transpose(2, 1, 0).ravel()
-
-
-def vti(path, arrays, kind="ascii", where="PointData", shape=SHAPE, spacing=SPACING, origin=ORIGIN):
-    """Write arrays as an image: "ascii", "binary", "zlib" or "raw"."""
-    packed, bodies, offset = [], b"", 0
-    for name, values in arrays.items():
-        flat = np.ascontiguousarray(fortran(values))
-        data = flat.astype("<f8").tobytes()
-        count = values.shape[3] if values.ndim == 4 else 1
-        head = f'<DataArray type="Float64" Name="{name}" NumberOfComponents="{count}" '
-        if kind == "ascii":
-            packed.append(head + 'format="ascii">' + " ".join(map(repr, flat.tolist())) + "</DataArray>")
-        elif kind == "raw":
-            packed.append(head + f'format="appended" offset="{offset}"/>')
-            bodies += struct.pack("<I", len(data)) + data
-            offset = len(bodies)
-        elif kind == "binary":
-            text = b64encode(struct.pack("<I", len(data)) + data).decode()
-            packed.append(head + f'format="binary">{text}</DataArray>')
-        else:
-            body = zlib.compress(data)
-            text = b64encode(struct.pack("<IIII", 1, len(data), 0, len(body))).decode() + b64encode(body).decode()
-            packed.append(head + f'format="binary">{text}</DataArray>')
-    extent = " ".join(f"0 {n - (where == 'PointData')}" for n in shape)
-    compressor = ' compressor="vtkZLibDataCompressor"' if kind == "zlib" else ""
-    text = (
-        f'<?xml version="1.0"?><VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"{compressor}>'
-        f'<ImageData WholeExtent="{extent}" Origin="{" ".join(map(str, origin))}" '
-        f'Spacing="{" ".join(map(str, spacing))}"><Piece Extent="{extent}"><{where}>{"".join(packed)}</{where}>'
-        "</Piece></ImageData>"
-    ).encode()
-    if kind == "raw":
-        text += b'<AppendedData encoding="raw">_' + bodies + b"</AppendedData>"
-    path.write_bytes(text + b"</VTKFile>")
-    return path
 
 
 @pytest.mark.parametrize("kind", ["ascii", "binary", "zlib", "raw"])
@@ -136,23 +91,6 @@ def test_damaged_images_are_refused(tmp_path, change, message):
 # NetCDF and HDF5
 
 
-def netcdf(path, variables, coordinates, steps=0):
-    """Write variables in the order (time,) z, y, x with NetCDF 3."""
-    with netcdf_file(path, "w") as file:
-        for name, values in coordinates.items():
-            file.createDimension(name, len(values))
-            file.createVariable(name, "f8", (name,))[:] = values
-        if steps:
-            file.createDimension("time", steps)
-        for name, values in variables.items():
-            file.createVariable(name, "f8", ("time",) * bool(steps) + ("z", "y", "x"))[:] = values
-    return path
-
-
-AXES = {axis: o + h * np.arange(n) for axis, o, h, n in zip("xyz", ORIGIN, SPACING, SHAPE, strict=True)}
-UVW = {name: VELOCITY[..., k].transpose(2, 1, 0) for k, name in enumerate("uvw")}
-
-
 def test_netcdf_counts_z_y_x_and_has_its_coordinates(tmp_path):
     check(flow_file(netcdf(tmp_path / "flow.nc", UVW, AXES)).read())
     steps = {name: np.stack([values, 0 * values]) for name, values in UVW.items()}
@@ -207,11 +145,7 @@ def test_netcdf_that_is_none_is_refused(tmp_path):
 
 def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
     h5py = pytest.importorskip("h5py")
-    with h5py.File(tmp_path / "cut.h5", "w") as file:  # as Johns Hopkins' turbulence databases write it
-        file.create_dataset("Velocity_0001", data=VELOCITY.transpose(2, 1, 0, 3).astype("f4"))
-        for axis, values in AXES.items():
-            file.create_dataset(f"{axis}coor", data=values)
-    check(flow_file(tmp_path / "cut.h5").read(), rough=1e-6)
+    check(flow_file(hdf5(tmp_path / "cut.h5")).read(), rough=1e-6)
     with h5py.File(tmp_path / "own.h5", "w") as file:  # x first, as its coordinates tell
         file.create_dataset("flow/vorticity", data=VELOCITY, compression="gzip")
         for axis, values in AXES.items():
@@ -228,11 +162,7 @@ def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".vti", ".vtk", ".vtr"])
 def test_regular_grids_that_pyvista_writes_keep_their_nodes(tmp_path, suffix):
-    pyvista = pytest.importorskip("pyvista")
-    mesh = pyvista.ImageData(dimensions=SHAPE, spacing=SPACING, origin=ORIGIN)
-    mesh.point_data["velocity"] = fortran(VELOCITY).reshape(-1, 3)
-    (mesh.cast_to_rectilinear_grid() if suffix == ".vtr" else mesh).save(tmp_path / f"flow{suffix}")
-    check(flow_file(tmp_path / f"flow{suffix}").read())
+    check(flow_file(vtk_mesh(tmp_path / f"flow{suffix}")).read())
 
 
 @pytest.mark.parametrize(("library", "suffix"), [("pyvista", ".vts"), ("pyvista", ".vtu"), ("meshio", ".vtu")])

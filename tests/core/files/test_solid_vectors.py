@@ -93,7 +93,7 @@ def test_vectors_of_vtk_are_read_by_name(tmp_path):
         ("MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n1\n1 2\n1 2 3\n", "has 1 vectors for"),
         ("MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n1\n1 1\n1\n", "it has none"),
         ("MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n1\n1 7\n1\n", "cannot be read"),
-        ("solid", "is no MEDIT file"),
+        ("solid", "is not a MEDIT file"),
     ],
 )
 def test_files_without_vectors_are_refused(tmp_path, sol, words):

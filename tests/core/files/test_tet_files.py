@@ -116,8 +116,8 @@ def test_only_what_triangles_enclose_is_the_solid(tmp_path, skin):
         (medit(tets=TETS.replace("5 6", "4 6")), MeshError, "tetrahedron 1 has no volume"),
         (medit(head="MeshVersionFormatted 1\nDimension 2\n"), SettingError, "is flat: export a solid of dimension 3"),
         (medit(between="Hexahedra\n1\n1 2 3 4 5 1 2 3 0\n"), SettingError, "has Hexahedra: split all cells"),
-        ("solid cube\nfacet normal 0 0 1\n", SettingError, "is no MEDIT file"),
-        ("", SettingError, "is no MEDIT file"),
+        ("solid cube\nfacet normal 0 0 1\n", SettingError, "is not a MEDIT file"),
+        ("", SettingError, "is not a MEDIT file"),
         (b"MeshVersionFormatted\x00\xff\xfe", SettingError, "is not a text file: export it as ASCII"),
     ],
 )
@@ -212,8 +212,8 @@ def test_pieces_of_vtu_are_put_together(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda text: text[: len(text) // 2], "is no XML file"),
-        (lambda text: text.replace(b"UnstructuredGrid", b"PolyData"), "is no unstructured grid"),
+        (lambda text: text[: len(text) // 2], "is not an XML file"),
+        (lambda text: text.replace(b"UnstructuredGrid", b"PolyData"), "is not an unstructured grid"),
         (lambda text: text.replace(b'Name="types"', b'Name="kinds"'), "has an array that cannot be read"),
         (lambda text: text.replace(b"vtkZLib", b"vtkLZ4"), "compressed by vtkLZ4DataCompressor, use zlib"),
         (lambda text: text.replace(b'type="Float64"', b'type="String"'), "has an array that cannot be read"),

@@ -6,7 +6,7 @@ import struct
 
 import pytest
 
-from synch_fields.core.files.vdb_sizes import check_vdb_sizes
+from synch_fields.core.files.openvdb import check_vdb_sizes
 
 
 def text(word):

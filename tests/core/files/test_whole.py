@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.files import meshes, pictures
+from synch_fields.core.files import meshes
 from synch_fields.core.files.directions import FaceField, write_field
-from synch_fields.core.files.whole import check_writable, write_text, write_together, write_whole
+from synch_fields.core.files.whole import check_writable, is_whole_image, write_text, write_together, write_whole
 
 
 @pytest.fixture
@@ -76,7 +76,7 @@ def test_a_device_is_written_to_as_it_is(tmp_path):
         write_text(link, "new")
     assert link.is_symlink()
     write_text("/dev/null", "new")
-    with pytest.raises(SettingError, match="this is no file"), write_whole("/dev/null", lambda made: True):
+    with pytest.raises(SettingError, match="this is not a file"), write_whole("/dev/null", lambda made: True):
         raise AssertionError("nothing is to be written")
 
 
@@ -251,6 +251,6 @@ def test_sound_headers_pass(tmp_path):
 def test_a_picture_that_is_cut_off_is_not_whole(tmp_path):
     path = tmp_path / "picture.png"
     path.write_bytes(b"\x89PNG...\x00\x00\x00\x00IEND\xaeB`\x82")
-    assert pictures.is_whole(path)
+    assert is_whole_image(path)
     path.write_bytes(path.read_bytes()[:-1])
-    assert not pictures.is_whole(path)
+    assert not is_whole_image(path)

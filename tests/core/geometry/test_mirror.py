@@ -10,7 +10,7 @@ from synch_fields.core.fields import DirectionWishes, Row, direction_field, line
 from synch_fields.core.fields.constraints.lines import line_of_group
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.mirror import Mirror
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.cut import cut_open
 from synch_fields.core.geometry.mirror import mirrored_vertices, symmetric_axes
@@ -99,7 +99,7 @@ def test_stripes_are_their_own_mirror_image(build, axes, symmetry, seed):
         np.testing.assert_allclose(cosines[mirror.partner], cosines, atol=1e-9)
     solution = pattern.solution
     assert solution.lower_bound <= solution.energy * (1 + 1e-9)
-    free = stripe_problem(mesh, field, 0.35)
+    free = pattern_problem(mesh, field, PatternWishes(0.35))
     assert free.energy(solution.phases) == pytest.approx(solution.energy, rel=1e-9)  # loops cost nothing when snapped
 
 

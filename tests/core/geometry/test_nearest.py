@@ -164,3 +164,16 @@ def test_no_points_have_no_places_and_no_triangles_are_refused():
     assert found.shape == (0,)
     with pytest.raises(MeshError, match="no faces"):
         NearestTriangles(mesh.vertices, np.empty((0, 3), int))
+
+
+def test_the_nearest_point_that_looks_along_a_normal_is_on_that_side_of_a_sheet():
+    """Two sheets at the same place, one of them turned over."""
+    mesh = cube(4)
+    both = np.concatenate([mesh.triangles, mesh.triangles[:, ::-1]])
+    search = NearestTriangles(mesh.vertices, both)
+    points = mesh.vertices[mesh.triangles].mean(axis=1) + RANDOM.normal(0, 0.01, (mesh.triangle_count, 3))
+    plain, _ = search.nearest(points)
+    for normals, is_first in ((mesh.face_normals, True), (-mesh.face_normals, False)):
+        places, triangles = search.nearest_facing(points, normals)
+        np.testing.assert_allclose(places, plain, atol=1e-12)
+        assert ((triangles < mesh.triangle_count) == is_first).all()

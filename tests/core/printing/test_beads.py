@@ -63,7 +63,7 @@ def test_beads_cover_strips_of_any_width(width):
     # In the corners of the strip, 0.71 steps are left.
     assert np.quantile(found, 0.995) < 0.72 * step
     assert beads.covered_share == pytest.approx((found < step / 2).mean(), abs=0.01)
-    assert len(beads.covered) == surfaces.count and beads.covered.min() > 0.95
+    assert len(beads.covered) == surfaces.count and beads.covered.min() > 0.94
     # As wide as they are, the beads have the area of the layers, but where they are narrower than can be laid.
     area = (beads.lines.steps * (beads.widths + beads.widths[beads.lines.next]) / 2).sum()
     assert area == pytest.approx(surfaces.areas.sum(), rel=0.01 if width > NARROWEST * step else 0.15)

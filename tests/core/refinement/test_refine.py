@@ -7,6 +7,7 @@ import pytest
 
 from synch_fields.core.errors import AsymmetryError
 from synch_fields.core.geometry import TriangleMesh, check_mesh
+from synch_fields.core.geometry.mesh_input import ObjectMesh
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement import TooFineError, bound_surface, division, refine
@@ -22,10 +23,16 @@ def edges_of(faces):
     return np.unique(np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1), axis=0)
 
 
-def refined(vertices, faces, longest, **more):
+def refined(vertices, faces, longest, axes=(), stretch=None):
     faces = np.asarray(faces)
-    starts = np.arange(len(faces)) * faces.shape[1]
-    return refine(vertices, starts, faces.ravel(), edges_of(faces), longest, **more)
+    count, size = faces.shape
+    starts, last = size * np.arange(count), np.arange(2, size)
+    fans = np.stack([np.zeros_like(last), last - 1, last], axis=1)
+    corners = (starts[:, None, None] + fans).reshape(-1, 3)
+    owners = np.repeat(np.arange(count), size - 2)
+    polygons = Polygons(faces.ravel(), starts, np.full(count, size), corners, owners)
+    read = ObjectMesh("mesh", np.asarray(vertices, float), polygons, np.eye(3) if stretch is None else stretch)
+    return refine(read, edges_of(faces), longest, axes)
 
 
 def as_mesh(bound):

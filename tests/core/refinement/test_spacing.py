@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.mesh_input import ObjectMesh
+from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement import refine
 from synch_fields.core.refinement.spacing import EDGE_SHARE, QUADS, automatic_spacing, longest_edge, wished_spacing
 
@@ -13,7 +15,8 @@ from ..meshes import icosphere
 
 
 def refined(mesh, longest):
-    bound = refine(mesh.vertices, 3 * np.arange(mesh.triangle_count), mesh.triangles.ravel(), mesh.edges, longest)
+    read = ObjectMesh("mesh", mesh.vertices, Polygons.of_triangles(mesh), np.eye(3))
+    bound = refine(read, mesh.edges, longest)
     return TriangleMesh(bound.vertices, bound.corner_vertices.reshape(-1, 3))
 
 

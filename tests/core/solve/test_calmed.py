@@ -12,7 +12,7 @@ from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import DirectionWishes, direction_problem
-from synch_fields.core.fields.patterns import pattern_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, Status, solve
 
@@ -23,7 +23,7 @@ from ..meshes import bent_square, bumpy_torus, double_torus, icosphere, together
 def quads(mesh, count=15):
     """Quads along the spectral cross field, periods along the longest side."""
     field = direction_field(mesh, 4, options=Options(method="spectral"))
-    return pattern_problem(mesh, field, np.ptp(mesh.vertices, axis=0).max() / count)
+    return pattern_problem(mesh, field, PatternWishes(np.ptp(mesh.vertices, axis=0).max() / count))
 
 
 def without_calmer(problem):
@@ -101,7 +101,7 @@ def test_what_is_calmed_already_has_no_calmer():
     assert direction_problem(mesh, 4, DirectionWishes(singularities=0.0)).calmer is None
     assert direction_problem(mesh, 4, DirectionWishes(singularities=0.5)).calmer is not None
     field = direction_field(mesh, 2, options=Options(method="spectral"))
-    assert pattern_problem(mesh, field, 0.5, branching=0.0).calmer is None
+    assert pattern_problem(mesh, field, PatternWishes(0.5, branching=0.0)).calmer is None
 
 
 @pytest.mark.parametrize("kind", ["circle", "flips"])

@@ -10,7 +10,7 @@ import pytest
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solution import DESCENT
 from synch_fields.core.solve import Options, solve
@@ -25,7 +25,7 @@ def along():
     """Stripes on a torus at any spacing, along the same lines."""
     mesh = bumpy_torus(24)
     field = direction_field(mesh, 1)
-    return lambda spacing: stripe_problem(mesh, field, spacing)
+    return lambda spacing: pattern_problem(mesh, field, PatternWishes(spacing))
 
 
 def test_some_steps_lead_near_the_local_optimum_that_descent_reaches(along):

@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 from synch_fields.core.connection import Connection
 from synch_fields.core.fields import Row, given_directions
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, Status, solve
 from synch_fields.core.solve.methods.staircase import start_rank
@@ -183,7 +183,7 @@ def constrained_stripes():
         Row(boundary_row(mesh, "phase", y == 0).line, "phase", 1.0, weight=3.0),
     ]
     field = given_directions(mesh, 1, np.tile([0.3, 1.0, 0.0], (mesh.vertex_count, 1)))
-    return stripe_problem(mesh, field, 0.13, rows)
+    return pattern_problem(mesh, field, PatternWishes(0.13, rows))
 
 
 @pytest.mark.parametrize(

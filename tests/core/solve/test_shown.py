@@ -10,7 +10,7 @@ import pytest
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.monitor import Monitor
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solution import FIRST
@@ -163,5 +163,5 @@ def test_stripes_at_another_spacing_are_found_as_well():
     mesh = bumpy_torus(30)
     lines = direction_field(mesh, 2, options=Options(method="spectral"))
     for spacing in (2.0, 0.5, 0.2):
-        problem = stripe_problem(mesh, lines, spacing)
+        problem = pattern_problem(mesh, lines, PatternWishes(spacing))
         assert solve(problem, Options(method=FIRST)).energy < 1.15 * solve(problem).energy

@@ -9,28 +9,28 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.quads import finishing as quad_smoothing
+from synch_fields.core.extract.quads.measure.quality import quality
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
-from synch_fields.core.solve import Options
+from synch_fields.core.refinement.spacing import faces_of_factor, smallest_sides, spacing_factor
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.tasks import quad_meshes, surfaces
-from synch_fields.core.tasks.surfaces import SurfaceRequest
+from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
 
 from ..flat_crosses import plane_crosses
 from ..meshes import bumpy_torus, icosphere, square, torus
-from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, samples
+from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, samples, wedge
 
 
-def asked(mesh, **settings):
+def asked(mesh, rows=(), directions=None, factors=1.0, **settings):
     given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
-    plain = {
-        "command": "quad_mesh", "given": given, "symmetry": "cross", "options": Options(), "directions": None,
-        "guides": (), "turn": 0.0, "rows": (), "mirrors": (), "spacing": 0.4, "spacings": 0.4, "branching": 0.0,
-    }  # fmt: skip
-    return SurfaceRequest(**plain | settings)
+    plain = {"spacing": 0.4, "singularities": 1.0, "smoothing": 0, "features": 0}
+    source = SurfaceSource(given, rows, directions=directions, factors=factors)
+    return SurfaceRequest.of("quad_mesh", source, SurfaceSettings(**plain | settings).for_command("quad_mesh"))
 
 
 @pytest.mark.parametrize("faces", [150, 700])
@@ -61,7 +61,7 @@ def test_the_directions_are_solved_once(monkeypatch):
 def test_a_map_of_spacings_keeps_its_proportions():
     mesh = icosphere(4)
     factors = 1 + 0.5 * mesh.vertices[:, 2]
-    result = asked(mesh, faces=400, spacings=0.4 * factors).solve()
+    result = asked(mesh, faces=400, factors=factors).solve()
     assert len(result.quads.sizes) == pytest.approx(400, rel=0.05)
     above = result.quads.vertices[:, 2] > 0
     assert (~above).sum() > 1.5 * above.sum()
@@ -87,7 +87,7 @@ def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch)
 
     def count_faces(*arguments):
         found = traced(*arguments)
-        counts.append(len(found.quads.sizes))
+        counts.append(found.face_count)
         return found
 
     monkeypatch.setattr(quad_meshes, "_draw", count_faces)
@@ -113,6 +113,17 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
         asked(icosphere(2), faces=7).solve()
 
 
+@pytest.mark.parametrize("degrees", [20, 35, 45])
+def test_a_narrow_corner_gets_one_quad(degrees):
+    """Lines along both sides, one after the other, would leave no line between the sides."""
+    mesh = wedge(degrees)
+    result = asked(mesh, rows=(feature_row(mesh, mesh.boundary_edges),), faces=300).solve()
+    figures = quality(result.quads)
+    assert figures["angle_deviation"] < 7 and figures["folds"] <= 0.03 * len(result.quads.sizes)
+    at_corner = np.linalg.norm(result.quads.vertices, axis=1) < 1e-6
+    assert np.isin(result.quads.corner_vertices, np.flatnonzero(at_corner)).sum() == 1
+
+
 @pytest.mark.parametrize(("share", "lost"), [(0.03, True), (0.03, False), (0.5, False)])
 def test_lines_that_are_lost_are_told_with_their_length(share, lost, monkeypatch):
     """Chamfers of a share of a quad's side, which are lost where no room is made for a quad across them."""
@@ -121,7 +132,7 @@ def test_lines_that_are_lost_are_told_with_their_length(share, lost, monkeypatch
     side = 0.1
     mesh = chamfered_cube(16, share * side / np.sqrt(2))
     edges = feature_edges(mesh, ANGLE, side)
-    result = asked(mesh, rows=(feature_row(mesh, edges),), spacing=2 * side, spacings=2 * side).solve()
+    result = asked(mesh, rows=(feature_row(mesh, edges),), spacing=2 * side).solve()
     lines = [line for line in result.warnings if "sharp edges are lost" in line]
     assert len(lines) == lost
     apart = distances_from_edges(result.quads, samples(mesh, edges)).max()
@@ -156,7 +167,7 @@ def test_faces_that_are_no_quads_are_told_where_none_were_asked_for(monkeypatch)
 def test_the_factor_of_spacings_leads_to_a_number_of_quads(spacings):
     mesh = square(20)
     field = given_directions(mesh, 4, np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
-    factor = quad_meshes.spacing_factor(mesh, spacings, 321)
+    factor = spacing_factor(mesh, spacings, 321)
     assert TargetOneForm.of(mesh, field, factor * spacings).quad_count == pytest.approx(321)
 
 
@@ -165,21 +176,19 @@ def test_as_many_faces_as_a_spacing_leaves_room_for(stretch):
     mesh = square(5)
     mesh = TriangleMesh(mesh.vertices * [stretch, 1, 1], mesh.triangles)
     for faces in (1, 7, 100, 10_000):
-        assert (
-            quad_meshes.faces_of_factor(mesh, 0.2, (1 - 1e-9) * quad_meshes.spacing_factor(mesh, 0.2, faces)) == faces
-        )
+        assert faces_of_factor(mesh, 0.2, (1 - 1e-9) * spacing_factor(mesh, 0.2, faces)) == faces
 
 
 def test_the_smallest_sides_keep_a_map_and_take_the_shorter_axis():
     mesh = square(4)
     factors = 1 + mesh.vertices[:, 0]
-    np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, 0.2 * factors), 0.1 * factors)
+    np.testing.assert_allclose(smallest_sides(mesh, 0.2 * factors), 0.1 * factors)
     both = 0.2 * factors[:, None] * [1.0, 0.5]
-    np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, both), 0.05 * factors)
-    np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, 0.2), np.full(mesh.vertex_count, 0.1))
+    np.testing.assert_allclose(smallest_sides(mesh, both), 0.05 * factors)
+    np.testing.assert_allclose(smallest_sides(mesh, 0.2), np.full(mesh.vertex_count, 0.1))
 
 
-@pytest.mark.parametrize("faces", [None, 700])
+@pytest.mark.parametrize("faces", [0, 700])
 def test_a_draft_is_shown_before_the_mesh_and_leaves_it_as_it_is(faces):
     request, shown = asked(bumpy_torus(24), faces=faces), []
     found = request.solve_showing(shown.append)
@@ -192,13 +201,14 @@ def test_a_draft_is_shown_before_the_mesh_and_leaves_it_as_it_is(faces):
 
 
 def test_a_draft_that_is_no_mesh_is_not_shown(monkeypatch):
-    draw = quad_meshes._draw
+    draw, calls = quad_meshes._draw, []
 
-    def refuse_first_fields(request, *rest):
-        if request.options.method == "first":
+    def refuse_the_draft(*arguments):
+        calls.append(arguments)
+        if len(calls) == 1:
             raise SettingError("the quads are too large")
-        return draw(request, *rest)
+        return draw(*arguments)
 
-    monkeypatch.setattr(quad_meshes, "_draw", refuse_first_fields)
+    monkeypatch.setattr(quad_meshes, "_draw", refuse_the_draft)
     shown = []
     assert asked(icosphere(3)).solve_showing(shown.append).quads is not None and shown == []

@@ -22,7 +22,7 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     lengths = quads.edge_lengths
     short = int((lengths < SHORTEST * np.median(lengths)).sum())
     large = int((quads.sizes > MOST_CORNERS).sum())
-    away = distance(quads, mesh)
+    away = distance(quads, mesh, FARTHEST * figures["edge_length"])
     faces = len(quads.sizes)
     found = (
         (short, f"{short} of {len(lengths)} edges of the quad mesh have no length"),
@@ -38,14 +38,14 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     return tuple(f"{line}: ask for more faces, or a smaller spacing" for is_there, line in found if is_there)
 
 
-def distance(quads: QuadMesh, mesh: TriangleMesh) -> float:
+def distance(quads: QuadMesh, mesh: TriangleMesh, enough: float = 0.0) -> float:
     """Hausdorff distance between a quad mesh, with faces divided into triangles at their middles, and its surface.
 
-    It is measured at vertices and middles of faces.
+    It is measured at vertices and middles of faces. Distances up to ``enough`` may be found too large, up to that.
     """
     triangles = np.column_stack([quads.half_edges, len(quads.vertices) + quads.corner_faces])
     places = np.concatenate([quads.vertices, quads.middles(quads.vertices)])
-    there, _ = NearestTriangles(mesh.vertices, mesh.triangles).nearest(places)
+    there, _ = mesh.finder.nearest(places, enough)
     of_surface = mesh.vertices[np.unique(mesh.triangles)]
-    back, _ = NearestTriangles(places, triangles).nearest(of_surface)
+    back, _ = NearestTriangles(places, triangles).nearest(of_surface, enough)
     return max(float(np.linalg.norm(a - b, axis=1).max()) for a, b in ((there, places), (back, of_surface)))

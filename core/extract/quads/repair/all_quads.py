@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ....geometry.nearest import NearestTriangles
 from ..trace.quad_mesh import QuadMesh
 
 # Most corners of a polygon that is divided again: the work grows with their fourth power.
@@ -100,6 +99,7 @@ class Faces:
 
 
 def edge_of(pair: Iterable[int]) -> Edge:
+    """The edge between two vertices, the lower one first."""
     first, second = sorted(pair)
     return first, second
 
@@ -128,14 +128,15 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> Quad
     for number in [n for n, corners in faces.corners.items() if len(corners) > 4 and len(corners) % 2 == 0]:
         _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
-    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[len(quads.vertices) :]))
+    new = slice(len(quads.vertices), None)
+    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[new], faces.normals[new]))
 
 
-def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray) -> QuadMesh:
-    """The quad mesh with further vertices, projected onto the surface."""
+def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray, normals: np.ndarray) -> QuadMesh:
+    """The quad mesh with further vertices, projected onto the surface where it looks along (k, 3) normals."""
     if len(places) == 0:
         return quads
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(places)
+    places, triangles = mesh.finder.nearest_facing(places, normals)
     return replace(
         quads,
         vertices=np.concatenate([quads.vertices, places]),

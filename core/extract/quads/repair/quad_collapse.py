@@ -9,7 +9,6 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ....geometry.nearest import NearestTriangles
 from ..features.chains import move_vertices
 from ..trace.quad_mesh import QuadMesh
 
@@ -51,7 +50,8 @@ def collapse_quads(
         faces[faces == gone] = kept
     used = np.unique(faces)
     which = np.flatnonzero(moved)
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(vertices[which])
+    normals = mesh.face_normals[quads.triangles[which]]
+    places, triangles = mesh.finder.nearest_facing(vertices[which], normals)
     quads = move_vertices(quads, which, places, triangles, barycentric(mesh, triangles, places))
     return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 

@@ -35,7 +35,7 @@ def recover_tips(
     """The quad mesh with vertices moved where it cuts tips off; arguments as of :func:`fit_quads`."""
     lines, ground = sliding_lines(free, chains), Ground.of(mesh, quads)
     side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()
-    gaps, faces = _gaps(quads, ground.samples)
+    gaps, faces = _gaps(quads, ground.samples, CUT_OFF * side)
     cut_off = np.linalg.norm(gaps, axis=1) > CUT_OFF * side
     if not cut_off.any():
         return quads
@@ -56,11 +56,14 @@ def recover_tips(
     return quads
 
 
-def _gaps(quads: QuadMesh, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(s, 3) from the nearest point of the quad mesh to each sample, and (s,) the face of that point."""
+def _gaps(quads: QuadMesh, samples: np.ndarray, enough: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """(s, 3) from the nearest point of the quad mesh to each sample, and (s,) the face of that point.
+
+    Up to a distance of ``enough`` another point of the mesh will do.
+    """
     places = np.concatenate([quads.vertices, quads.middles(quads.vertices)])
     fans = np.column_stack([quads.half_edges, len(quads.vertices) + quads.corner_faces])
-    there, nearest = NearestTriangles(places, fans).nearest(samples)
+    there, nearest = NearestTriangles(places, fans).nearest(samples, enough)
     return samples - there, quads.corner_faces[nearest]
 
 

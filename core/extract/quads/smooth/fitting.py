@@ -12,7 +12,6 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ....geometry.nearest import NearestTriangles
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
 from ..measure.quality import corner_angles
 from ..trace.quad_mesh import QuadMesh
@@ -40,19 +39,18 @@ def fit_quads(
     planes : mirror planes and the vertices on them
     chains : vertices on feature lines
     """
-    surface = NearestTriangles(mesh.vertices, mesh.triangles)
     lines = sliding_lines(free, chains)
     movable = np.flatnonzero(free)
     for number in range(rounds):
         square = SQUARE * (1 - number / rounds)
         weights = _urgencies(quads)[quads.corner_faces, None]
         moved, sums = np.zeros_like(quads.vertices), np.zeros((len(quads.vertices), 1))
-        np.add.at(moved, quads.corner_vertices, weights * _target_corners(quads, mesh, surface, square))
+        np.add.at(moved, quads.corner_vertices, weights * _target_corners(quads, mesh, square))
         np.add.at(sums, quads.corner_vertices, weights)
         moved /= np.maximum(sums, _TINY)
         for unit, on_plane in planes:
             moved[on_plane] -= np.outer(moved[on_plane] @ unit, unit)
-        quads = project_vertices(quads, mesh, surface, lines, chains, movable, moved[movable])
+        quads = project_vertices(quads, mesh, lines, chains, movable, moved[movable])
     return quads
 
 
@@ -64,7 +62,6 @@ def sliding_lines(free: np.ndarray, chains: Chains | None) -> np.ndarray:
 def project_vertices(
     quads: QuadMesh,
     mesh: TriangleMesh,
-    surface: NearestTriangles,
     lines: np.ndarray,
     chains: Chains | None,
     which: np.ndarray,
@@ -75,7 +72,8 @@ def project_vertices(
     ``lines`` as of :func:`sliding_lines`. On a line, vertices pass neither each other nor its ends.
     """
     loose = lines[which] < 0
-    ends, triangles = surface.nearest(places[loose])
+    normals = mesh.face_normals[quads.triangles[which]]
+    ends, triangles = mesh.finder.nearest_facing(places[loose], normals[loose], nearby=True)
     quads = move_vertices(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
     if chains is None:
         return quads
@@ -113,13 +111,14 @@ def _urgencies(quads: QuadMesh) -> np.ndarray:
     return 1 + URGENCY * np.maximum(worst / GOOD - 1, 0) ** 2
 
 
-def _target_corners(quads: QuadMesh, mesh: TriangleMesh, surface: NearestTriangles, square: float) -> np.ndarray:
+def _target_corners(quads: QuadMesh, mesh: TriangleMesh, square: float) -> np.ndarray:
     """(c, 3) targets of the faces' corners."""
     targets = quads.vertices[quads.corner_vertices]
+    normals = mesh.face_normals[quads.triangles][quads.corner_vertices]
     for size in np.unique(quads.sizes):
         corners = quads.starts[quads.sizes == size, None] + np.arange(size)
         places = targets[corners]
-        up = mesh.face_normals[surface.nearest(places.mean(axis=1))[1]]
+        up = normals[corners].sum(axis=1)
         targets[corners] = _rectangles(places, up, square) if size == 4 else _regular(places, up)
     return targets
 
@@ -156,4 +155,5 @@ def _regular(corners: np.ndarray, up: np.ndarray) -> np.ndarray:
 
 
 def unit_vectors(vectors: np.ndarray) -> np.ndarray:
+    """(n, 3) vectors over their lengths; zero stays zero."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), _TINY)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ....geometry import TriangleMesh
-from ....geometry.nearest import NearestTriangles, nearest_in_triangles
+from ....geometry.nearest import nearest_in_triangles
 from ....graphs import components
 from ..features.chains import Chains, move_vertices
 from ..trace.quad_mesh import QuadMesh
@@ -48,7 +48,6 @@ class Ground:
     """The surface, and (s, 3) sample points on it that quads should be near to."""
 
     mesh: TriangleMesh
-    surface: NearestTriangles
     samples: np.ndarray
 
     @classmethod
@@ -61,7 +60,7 @@ class Ground:
             mesh.vertices[mesh.edges[long]].mean(axis=1),
             mesh.vertices[mesh.triangles[wide]].mean(axis=1),
         ]
-        return cls(mesh, NearestTriangles(mesh.vertices, mesh.triangles), np.concatenate(parts))
+        return cls(mesh, np.concatenate(parts))
 
     def normals(self, quads: QuadMesh, which: np.ndarray) -> np.ndarray:
         """(k, 3) vectors along the surface's interpolated normals at vertices."""
@@ -80,7 +79,7 @@ class Ground:
         here = np.concatenate([middles[patches.touched[faces]], vertices[patches.corners[edges, 1:]].mean(axis=1)])
         labels = np.concatenate([patches.of_faces[faces], patches.labels[edges]])
         result = np.zeros(len(patches.sides))
-        np.maximum.at(result, labels, np.linalg.norm(self.surface.nearest(here)[0] - here, axis=1))
+        np.maximum.at(result, labels, np.linalg.norm(self.mesh.finder.nearby(here)[0] - here, axis=1))
         points, labels, near = below
         wanted = wanted[labels]
         squares = _squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
@@ -208,7 +207,7 @@ class Patches:
         quads, waiting = self.quads, np.ones(len(self.sides), bool)
         for part in parts:
             places = quads.vertices[self.moving] + part * moves
-            tried = project_vertices(quads, self.ground.mesh, self.ground.surface, lines, chains, self.moving, places)
+            tried = project_vertices(quads, self.ground.mesh, lines, chains, self.moving, places)
             better = are_better(tried.vertices, waiting)
             which = self.moving[better[self.of_moving]]
             quads = move_vertices(quads, which, tried.vertices[which], tried.triangles[which], tried.weights[which])

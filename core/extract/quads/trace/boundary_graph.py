@@ -24,9 +24,7 @@ def boundary_segments(
     node_count : node of the first boundary vertex; the others follow
     on_grid : (n,) bool, vertices on lines of both phases: corners of the grid, unless lines pass through them
 
-    Returns
-    -------
-    (b, 2) nodes of the segments, (v,) bool corners, and (v,) boundary vertices
+    Returns (b, 2) nodes of the segments, (v,) bool corners, and (v,) boundary vertices.
     """
     half = np.flatnonzero(mesh.twins < 0)
     heads = np.roll(mesh.triangles, -1, axis=1).ravel()

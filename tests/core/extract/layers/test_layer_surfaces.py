@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
-from synch_fields.core.fields.guidance.solids import axis_directions, distance_directions
+from synch_fields.core.fields.guidance.solid_distance import solid_distance
+from synch_fields.core.fields.guidance.solids import axis_directions, gradient_directions
 from synch_fields.core.fields.layers import LayerGroup, solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 
@@ -199,7 +200,7 @@ def test_tetrahedra_with_all_corners_on_the_surface_do_not_hide_it(sign):
     mesh = TetMesh(vertices, positive(vertices, tets))
     group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
     assert len(group.triangles) == len(mesh.boundary_triangles) == ball.triangle_count + 2
-    inwards = distance_directions(mesh, mesh.boundary_vertices)
+    inwards = gradient_directions(mesh, solid_distance(mesh, mesh.boundary_vertices))
     pattern = solve_layers(mesh, sign * inwards, 1.7, [group])
     layers = surfaces_of(pattern)
     assert layers.count == 1 and len(layers.triangles) == len(group.triangles)

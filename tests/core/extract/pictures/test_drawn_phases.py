@@ -6,7 +6,7 @@ import pytest
 
 from synch_fields.core.extract.pictures.drawn_phases import PARTS, drawn_phases
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate, face_phases
 
@@ -43,7 +43,9 @@ def test_drawn_triangles_cover_the_faces_and_carry_the_phases_of_the_formula(bui
     # More than twice as wide at one end as at the other: lines have to end.
     x = mesh.vertices[:, 0]
     widening = spacing * (0.6 + 0.8 * (x - x.min()) / np.ptp(x))
-    phases = face_phases(solve_pattern(mesh, direction_field(mesh, symmetry), widening).edge_phases, polygons)
+    phases = face_phases(
+        solve_pattern(mesh, direction_field(mesh, symmetry), PatternWishes(widening)).edge_phases, polygons
+    )
     defects = sum(np.count_nonzero(phase.index) + np.count_nonzero(phase.disclination.any(axis=1)) for phase in phases)
     assert defects > 1
     places, values = drawn_phases(phases, polygons, mesh.vertices)

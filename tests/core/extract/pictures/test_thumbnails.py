@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.extract.pictures.thumbnails import Seen
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 
 from ...meshes import icosphere, mixed_torus
 
@@ -44,7 +44,7 @@ def test_what_a_ray_meets_first_is_seen(mesh):
 @pytest.mark.parametrize("symmetry", [2, 4])
 def test_ink_is_where_lines_are(symmetry):
     mesh = icosphere(3)
-    pattern = solve_pattern(mesh, direction_field(mesh, symmetry), 0.6)
+    pattern = solve_pattern(mesh, direction_field(mesh, symmetry), PatternWishes(0.6))
     seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
     ink = seen.ink(pattern.edge_phases)
     at_vertex = seen.weights.max(axis=1) > 0.9

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from synch_fields.core.extract.quads.trace.cells import cells
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate, face_phases
 
@@ -34,7 +34,7 @@ def solved(build, symmetry, share):
     """A pattern coarse enough for defects of both kinds, and the polygons and phases of the surface."""
     mesh, polygons = build()
     spacing = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / share
-    pattern = solve_pattern(mesh, direction_field(mesh, symmetry), spacing)
+    pattern = solve_pattern(mesh, direction_field(mesh, symmetry), PatternWishes(spacing))
     polygons = with_split(polygons, pattern.on_faces(polygons)[0].unfit)
     return pattern, polygons, pattern.on_faces(polygons)
 

@@ -10,7 +10,6 @@ from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
 from synch_fields.core.extract.quads.smooth.fitting import fit_quads, project_vertices
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
-from synch_fields.core.geometry.nearest import NearestTriangles
 
 from ...flat_crosses import plane_edge_phases
 from ...meshes import square
@@ -66,13 +65,12 @@ def test_vertices_on_a_line_pass_neither_each_other_nor_its_ends():
     side = np.flatnonzero((chains.lines >= 0) & (quads.vertices[:, 1] == 0))
     side = side[np.argsort(quads.vertices[side, 0])]
     assert len(side) == CELLS - 1
-    surface = NearestTriangles(mesh.vertices, mesh.triangles)
     wanted = quads.vertices[side[::-1]] + [2, 0, 0]
     for _ in range(30):
-        quads = project_vertices(quads, mesh, surface, chains.lines, chains, side, wanted)
+        quads = project_vertices(quads, mesh, chains.lines, chains, side, wanted)
     places = np.concatenate([[0], quads.vertices[side, 0], [1]])
     assert (np.diff(places) > 0.2 / CELLS).all() and (quads.vertices[side, 1] == 0).all()
-    quads = project_vertices(quads, mesh, surface, chains.lines, chains, side[:1], np.array([[0.01, 0, 0]]))
+    quads = project_vertices(quads, mesh, chains.lines, chains, side[:1], np.array([[0.01, 0, 0]]))
     assert quads.vertices[side[0], 0] < places[1]
 
 

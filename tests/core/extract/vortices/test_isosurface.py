@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.vortices.isosurface import isosurface, smooth_surface
+from synch_fields.core.extract.vortices.tubes import isosurface, smooth_surface
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 from synch_fields.core.geometry.grid import Grid

@@ -9,7 +9,7 @@ from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.fields import DirectionWishes, Row, direction_field, stripe_pattern
 from synch_fields.core.fields.constraints.lines import line_of_group, line_of_points
 from synch_fields.core.fields.guidance.guides import distance_guide
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.solve import Options
 
 from ...direction_wishes import SPACING, along, boundary_row, chain, cosines
@@ -260,7 +260,7 @@ def test_two_phases_at_one_vertex_are_named():
     x, y, _ = mesh.vertices.T
     rows = [Row(chain(mesh, x == 0), "phase", 0.0, name="row A"), Row(chain(mesh, y == 0), "phase", 1.0, name="row B")]
     with pytest.raises(ContradictionError, match="row A and row B fix vertex 0 to different phases") as error:
-        stripe_problem(mesh, along(mesh, (0, 1, 0), 1), SPACING, rows)
+        pattern_problem(mesh, along(mesh, (0, 1, 0), 1), PatternWishes(SPACING, rows))
     np.testing.assert_array_equal(error.value.vertices, [0])
 
 
@@ -271,7 +271,7 @@ def test_a_constant_line_between_two_phases_is_refused():
     ends = [Row(line_of_group(mesh, (x == 0) & (y == side)), "phase", float(side)) for side in (0, 1)]
     line = Row(chain(mesh, x == 0), "constant", name="row C")
     with pytest.raises(ContradictionError, match="row C joins vertices 0, 6, for which different values") as error:
-        stripe_problem(mesh, field, SPACING, [*ends, line])
+        pattern_problem(mesh, field, PatternWishes(SPACING, [*ends, line]))
     np.testing.assert_array_equal(error.value.vertices, [0, 6])
 
 
@@ -282,7 +282,7 @@ def test_constant_lines_that_cross_have_one_phase():
     pattern = stripe_pattern(mesh, along(mesh, (0, 1, 0), 2, seed=1), SPACING, rows)
     values = cosines(pattern)[(x == 0.5) | (y == 0.5)]
     np.testing.assert_allclose(values, values[0], atol=1e-9)
-    problem = stripe_problem(mesh, along(mesh, (0, 1, 0), 1), SPACING, rows)
+    problem = pattern_problem(mesh, along(mesh, (0, 1, 0), 1), PatternWishes(SPACING, rows))
     assert len(problem.merged.nodes) == 12
 
 
@@ -309,5 +309,5 @@ def test_a_weight_of_zero_is_no_wish(kind):
     field = direction_field(mesh, 2, DirectionWishes(rows=(row,)))
     pattern = stripe_pattern(mesh, field, SPACING, [row] if row.is_of_phases else [])
     assert field.solution.energy < 1e-12 and pattern.solution.energy < 1e-12
-    problem = stripe_problem(mesh, field, SPACING, [row] if row.is_of_phases else [])
+    problem = pattern_problem(mesh, field, PatternWishes(SPACING, [row] if row.is_of_phases else []))
     assert len(problem.drawn.nodes) == len(problem.fixed.nodes) == 0

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.fields import DirectionWishes, Row, direction_field, stripe_pattern
 from synch_fields.core.fields.constraints.lines import line_of_points, line_of_strokes
-from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 
 from ...direction_wishes import SPACING, along, cosines
 from ...meshes import disk, square, subdivided
@@ -58,7 +58,7 @@ def test_a_stripe_lies_on_a_stroke_between_the_vertices(seed, kind):
         # Held a third of a stripe off where it begins, the whole line follows.
         held = Row(line_of_strokes(mesh, [segment(mesh, start, start + 0.1 * (end - start))]), "phase", 2 * np.pi / 3)
         pattern = stripe_pattern(mesh, field, SPACING * 1.03, [row, held])
-        problem = stripe_problem(mesh, field, SPACING * 1.03, [row, held])
+        problem = pattern_problem(mesh, field, PatternWishes(SPACING * 1.03, [row, held]))
         assert len(problem.merged.nodes) == 0 and np.isin(row.line.nodes, problem.fixed.nodes).all()
         expected = np.cos(2 * np.pi / 3 + 2 * np.pi * row.line.offsets / SPACING / 1.03)
         np.testing.assert_allclose(cosines(pattern)[row.line.nodes], expected, atol=1e-9)

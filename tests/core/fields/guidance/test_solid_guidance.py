@@ -10,8 +10,8 @@ from synch_fields.core.fields.guidance.potentials import extend_harmonically, ha
 from synch_fields.core.fields.guidance.solid_distance import solid_distance
 from synch_fields.core.fields.guidance.solids import (
     axis_directions,
-    curve_directions,
-    distance_directions,
+    curve_vectors,
+    extend_directions,
     gradient_directions,
     harmonic_directions,
     vector_directions,
@@ -107,7 +107,7 @@ def test_the_distance_to_a_plane_is_exact():
     mesh = block((7, 6, 8), (1, 1, 3), jitter=0.2)
     z = mesh.vertices[:, 2]
     np.testing.assert_allclose(solid_distance(mesh, z == 0), z, atol=1e-4)
-    directions = distance_directions(mesh, z == 0)
+    directions = gradient_directions(mesh, solid_distance(mesh, z == 0))
     assert degrees_between(directions, np.tile([0, 0, 1.0], (mesh.vertex_count, 1))).max() < 0.1
 
 
@@ -195,13 +195,13 @@ def test_layers_go_along_a_curve_or_lie_around_it():
     mesh, around = bent_bar((4, 24, 4), 1, 1.4, np.pi / 2, 0.4)
     turn = np.linspace(0, np.pi / 2, 60)
     arc = np.column_stack([1.2 * np.cos(turn), 1.2 * np.sin(turn), 0.2 + 0 * turn])
-    assert degrees_between(curve_directions(mesh, [arc]), around).max() < 4
+    assert degrees_between(extend_directions(mesh, curve_vectors(mesh, [arc])), around).max() < 4
     away = mesh.vertices - [0, 0, 0.2]
     radius = np.hypot(away[:, 0], away[:, 1])[:, None]
     away = np.column_stack([away[:, :2] * (1 - 1.2 / radius), away[:, 2]])
     distance = np.linalg.norm(away, axis=1)
     off = distance > 0.05
-    found = curve_directions(mesh, [arc], across=True)
+    found = extend_directions(mesh, curve_vectors(mesh, [arc], across=True))
     assert degrees_between(found[off], away[off] / distance[off, None]).max() < 4
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1)
 
@@ -209,7 +209,7 @@ def test_layers_go_along_a_curve_or_lie_around_it():
 def test_two_curves_share_the_solid():
     mesh = block((8, 8, 2), (1, 1, 0.2))
     lines = [np.array([[0.0, 0, 0.1], [0, 1, 0.1]]), np.array([[1.0, 0, 0.1], [1, 1, 0.1]])]
-    found = curve_directions(mesh, lines, across=True)
+    found = extend_directions(mesh, curve_vectors(mesh, lines, across=True))
     x, z = mesh.vertices[:, 0], mesh.vertices[:, 2]
     apart = np.column_stack([np.where(x < 0.5, x, x - 1), 0 * x, z - 0.1])
     clear = np.abs(x - 0.5) > 0.05
@@ -221,7 +221,7 @@ def test_two_curves_share_the_solid():
 def test_a_curve_that_goes_far_away_is_refused():
     """Its places would take gigabytes."""
     with pytest.raises(SettingError, match=r"the guiding curve has a length of 1e.06, and no more than .* delete the"):
-        curve_directions(block((4, 4, 4)), [np.array([[0.0, 0, 0.5], [1, 0, 0.5], [1e6, 0, 0]])])
+        curve_vectors(block((4, 4, 4)), [np.array([[0.0, 0, 0.5], [1, 0, 0.5], [1e6, 0, 0]])])
 
 
 # What cannot be
@@ -237,14 +237,14 @@ def test_a_curve_that_goes_far_away_is_refused():
         (lambda m, none: solid_distance(m, none[:3]), "shape"),
         (lambda m, none: gradient_directions(m, np.full(len(none), 3.3)), "same all over"),
         (lambda m, none: gradient_directions(m, np.zeros(4)), "shape"),
-        (lambda m, none: distance_directions(m, ~none), "same all over"),
+        (lambda m, none: gradient_directions(m, solid_distance(m, ~none)), "same all over"),
         (lambda m, none: axis_directions(m, (0, 0, 0)), "no direction"),
         (lambda m, none: vector_directions(m, 0 * m.vertices), "zero"),
         (lambda m, none: vector_directions(m, m.vertices[:3]), "shape"),
         (lambda m, none: vector_directions(m, m.vertices * np.nan), "not finite"),
-        (lambda m, none: curve_directions(m, []), "no length"),
-        (lambda m, none: curve_directions(m, [np.zeros((5, 3))]), "no length"),
-        (lambda m, none: curve_directions(m, [np.zeros((1, 3))]), "curve 0"),
+        (lambda m, none: curve_vectors(m, []), "no length"),
+        (lambda m, none: curve_vectors(m, [np.zeros((5, 3))]), "no length"),
+        (lambda m, none: curve_vectors(m, [np.zeros((1, 3))]), "curve 0"),
     ],
 )
 def test_guidance_that_says_nothing_is_refused(call, words):

@@ -6,10 +6,10 @@ import math
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
+from ...core.refinement.spacing import lines_in_period
 from ..blender.registration import register_all
 from ..patterns.refine import expected_spacing
-from ..reading.surface import lines_in_period
-from .fields import source_of
+from ..settings.fields import source_of
 
 # What each direction asks of the settings: guidance, and the angle by which it is turned.
 _DIRECTIONS = {
