@@ -26,12 +26,12 @@ PANEL = "part('settings.preferences').preferences().panel = {!r}; area().tag_red
 @pytest.fixture(scope="module")
 def tall(tmp_path_factory):
     """A window that is high enough for all panels at once."""
-    with _installed(tmp_path_factory.mktemp("tall"), (800, 3200)) as blender:
+    with _installed(tmp_path_factory.mktemp("tall"), (800, 3700)) as blender:
         blender.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
         blender.run(SPEAK)
         blender.run(_OPEN)
         blender.open_panel()
-        add_ball(blender, 3)
+        add_ball(blender, 2)
         blender.run("area().spaces[0].overlay.show_overlays = False; view().view_location = 9, 9, 0")
         yield blender
 
@@ -46,7 +46,7 @@ def panels(blender):
     return picture[: rows[-1] + 8]
 
 
-def in_columns(pictures, height=1010):
+def in_columns(pictures, height=1100):
     """Tall pictures side by side, cut into columns at rows where nothing is drawn."""
     columns = []
     for picture in pictures:
@@ -76,7 +76,7 @@ def test_what_only_a_kind_has_is_shown_with_it(tall, kind):
 
 
 def test_nothing_moves_while_a_job_runs(tall, keep):
-    tall.run("active().synch_simple.kind = 'stripes'; active().synch_simple.lines = 8")
+    tall.run("active().synch_simple.kind = 'stripes'; active().synch_simple.lines = 5")
     tall.run(PANEL.format("ADVANCED"))
     names = ("Direction", "Singularities", "Pattern")
     before = [tall.wait_for(name)[1] for name in names]
