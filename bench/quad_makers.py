@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from synch_fields.bench.measure import timed
+from synch_fields.bench.measure import spent, timed
 from synch_fields.bench.meshes import read_faces, write_obj
 from synch_fields.bench.quad_measures import figures, longest_side, quad_mesh_of
 from synch_fields.core.errors import SynchError
@@ -51,7 +51,7 @@ def our_row(path, limit, field=None, settings=(), kept=None):
             if field:
                 api.import_field(obj, field)
                 chosen["guidance"] = "attribute:synch_direction"
-            report, seconds = timed(lambda: api.quad_mesh(obj, spacing=spacing, **chosen))
+            report, seconds = spent(lambda: api.quad_mesh(obj, spacing=spacing, **chosen))
         except SynchError as error:
             return {"fails": str(error)}
         made = bpy.data.objects[report["quad_mesh"]["object"]]
@@ -74,7 +74,7 @@ def quadriflow_row(path, limit, faces, options=(), kept=None):
         obj = _opened(path)
         try:
             operator = bpy.ops.object.quadriflow_remesh
-            done, seconds = timed(lambda: operator(target_faces=asked, seed=0, **dict(options)))
+            done, seconds = spent(lambda: operator(target_faces=asked, seed=0, **dict(options)))
         except RuntimeError as error:
             return {"fails": " ".join(str(error).split())}
         return {"quads": _faces_of(obj), "seconds": seconds} if done == {"FINISHED"} else {"fails": "is not finished"}

@@ -12,8 +12,9 @@ from .trace.quad_mesh import QuadMesh
 
 # A vertex nearer to a mirror plane than this share of the object's size lies on it.
 ON_PLANE = 1e-5
-# Largest distance, in mean edge lengths, of a vertex from the mirror image of its partner.
-PARTNER_REACH = 0.3
+# Largest distance, in mean edge lengths, of a vertex from the mirror image of its partner, and from its own if it is
+# put onto the plane.
+PARTNER_REACH, OWN_REACH = 0.3, 0.5
 
 
 def mirror_half(quads: QuadMesh, mesh: TriangleMesh, normal: np.ndarray) -> QuadMesh:
@@ -27,7 +28,7 @@ def mirror_half(quads: QuadMesh, mesh: TriangleMesh, normal: np.ndarray) -> Quad
     # A vertex that is nearly its own mirror image, as at a disclination beside the plane, is put onto it.
     apart, nearest = _images(quads, unit)
     on_plane = np.abs(heights) <= ON_PLANE * np.ptp(quads.vertices, axis=0).max()
-    on_plane |= (nearest == np.arange(len(nearest))) & (apart <= PARTNER_REACH * quads.edge_lengths.mean())
+    on_plane |= (nearest == np.arange(len(nearest))) & (apart <= OWN_REACH * quads.edge_lengths.mean())
     sides = np.where(on_plane, 0, np.sign(heights)).astype(int)
     count = len(quads.vertices)
     flat = quads.vertices - np.outer(np.where(sides == 0, heights, 0), unit)

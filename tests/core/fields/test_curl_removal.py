@@ -9,13 +9,15 @@ from scipy.sparse import csr_matrix
 
 from synch_fields.core.connection import circle_transports, levi_civita
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import DirectionField, DirectionWishes, direction_field, given_directions
+from synch_fields.core.fields import DirectionField, DirectionWishes, curl_removal, direction_field, given_directions
 from synch_fields.core.fields.curl_removal import (
     SMALLEST_WEIGHT,
     Circulation,
     check_share,
+    keep_factors,
     remove_holonomy,
     surface_circulation,
+    varying_part,
 )
 from synch_fields.core.fields.directions import LARGEST_RATIO, direction_problem
 from synch_fields.core.fields.patterns import PatternWishes, pattern_problem, quad_pattern, stripe_pattern
@@ -321,3 +323,43 @@ def test_on_a_closed_piece_without_area_what_stays_is_spread_evenly():
     matrix = csr_matrix(np.array([[1.0, 1.0, 1.0], [-1.0, -1.0, -1.0]]))
     found = remove_holonomy(Circulation(matrix, np.zeros(2)), np.array([3.0, 1.0]), np.ones(3))
     np.testing.assert_allclose(matrix @ found.correction, [-1, 1], atol=1e-9)
+
+
+def test_the_part_of_a_holonomy_that_varies_fast_is_told_from_the_rest():
+    """On a sphere, of radius 1, every triangle has curvature in proportion to its area, and one has more of it."""
+    mesh = icosphere(4)
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    even, spot = mesh.areas.copy(), np.zeros(mesh.triangle_count)
+    spot[7] = 1.0
+
+    def part(holonomy, length):
+        return varying_part(circulation, holonomy, mesh.weights, length)
+
+    np.testing.assert_allclose(part(even, 10.0), 0, atol=1e-7)
+    assert np.abs(part(even + spot, 1e-6)).max() < 1e-3
+    np.testing.assert_allclose(part(even + spot, 1e3), spot - mesh.areas / mesh.areas.sum(), atol=1e-3)
+    for length in (0.1, 0.5):
+        assert part(spot, length).sum() == pytest.approx(0, abs=1e-7)
+
+
+def test_bumps_finer_than_a_detail_make_no_disclinations():
+    mesh = icosphere(4)
+    bumps = np.prod(np.sin(12 * mesh.vertices), axis=1, keepdims=True)
+    mesh = TriangleMesh(mesh.vertices * (1 + 0.2 * bumps), mesh.triangles)
+    counts = [len(direction_field(mesh, 4, DirectionWishes(detail=detail)).disclinations) for detail in (0.0, 0.3)]
+    assert counts[0] > counts[1] == 8
+
+
+def test_factors_are_kept_only_for_as_long_as_they_are_asked_for(monkeypatch):
+    mesh, made = icosphere(2), []
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    holonomies = np.random.default_rng(0).standard_normal((2, mesh.triangle_count))
+    factorize = curl_removal.factorize
+    monkeypatch.setattr(curl_removal, "factorize", lambda *a, **k: made.append(a) or factorize(*a, **k))
+    alone = [remove_holonomy(circulation, holonomy, mesh.weights).correction for holonomy in holonomies]
+    with keep_factors():
+        kept = [remove_holonomy(circulation, holonomy, mesh.weights).correction for holonomy in holonomies]
+        other = remove_holonomy(circulation, holonomies[0], 2 * mesh.weights).correction
+    assert len(made) == 4
+    np.testing.assert_array_equal(kept, alone)
+    np.testing.assert_allclose(other, alone[0], atol=1e-9)

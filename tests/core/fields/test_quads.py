@@ -13,7 +13,7 @@ from synch_fields.core.fields import (
     quad_pattern,
     stripe_pattern,
 )
-from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
+from synch_fields.core.fields.patterns import PatternWishes, pattern_problem, untangle
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
@@ -288,3 +288,18 @@ def test_pieces_and_loose_vertices_are_solved_side_by_side():
     solution = quad_pattern(mesh, given_directions(mesh, 4, vectors), 0.5).solution
     assert solution.energy == pytest.approx(sum(p.solution.energy for p in alone), rel=0.1)
     assert solution.lower_bound == pytest.approx(sum(p.solution.lower_bound for p in alone), rel=2e-2)
+
+
+def test_a_pair_of_dislocations_is_taken_out():
+    """Phases in closed form in the plane, turned once around one place and back around another."""
+    mesh, spacing = square(24), 0.25
+    field, angles = given_directions(mesh, 4, np.tile([1.0, 0, 0], (mesh.vertex_count, 1))), np.zeros(mesh.vertex_count)
+    pattern = quad_pattern(mesh, field, spacing, options=Options(method="first"), branching=0.0)
+    exact = np.exp(1j * plane_waves(angles, spacing, mesh.vertices[:, :2]))
+    z = mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1]
+    turns = (z - 0.31 - 0.42j) / (z - 0.67 - 0.58j)
+    exact[:, 0] *= turns / np.abs(turns)
+    torn = pattern.showing(exact.ravel())
+    assert len(torn.dislocations) == 2
+    whole = untangle(torn)
+    assert not whole.dislocations and whole.energy < 1e-3 * torn.energy

@@ -10,6 +10,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError
 from synch_fields.core.geometry import nearest
+from synch_fields.core.geometry.barycentric import barycentric
 from synch_fields.core.geometry.nearest import NearestTriangles, nearest_in_triangles
 
 from ..meshes import EVERY, cube, icosphere, slivers
@@ -177,3 +178,29 @@ def test_the_nearest_point_that_looks_along_a_normal_is_on_that_side_of_a_sheet(
         places, triangles = search.nearest_facing(points, normals)
         np.testing.assert_allclose(places, plain, atol=1e-12)
         assert ((triangles < mesh.triangle_count) == is_first).all()
+
+
+def test_the_nearest_of_a_few_triangles_is_on_one_and_seldom_another():
+    mesh = icosphere(4)
+    points = np.random.default_rng(1).standard_normal((500, 3))
+    points *= np.random.default_rng(2).uniform(0.95, 1.05, (500, 1)) / np.linalg.norm(points, axis=1, keepdims=True)
+    places, triangles = mesh.finder.nearby(points)
+    best, _ = mesh.finder.nearest(points)
+    away, least = (np.linalg.norm(points - found, axis=1) for found in (places, best))
+    assert (away >= least - 1e-12).all() and np.isclose(away, least, atol=1e-12).mean() > 0.99
+    weights = barycentric(mesh, triangles, places)
+    assert weights.min() > -1e-9
+    np.testing.assert_allclose(
+        np.einsum("nk,nkx->nx", weights, mesh.vertices[mesh.triangles[triangles]]), places, atol=1e-12
+    )
+
+
+def test_distances_up_to_enough_are_not_improved_beyond_it():
+    mesh = icosphere(3)
+    points = 1.5 * mesh.vertices + 0.1
+    near, exact = (np.linalg.norm(points - mesh.finder.nearest(points, enough)[0], axis=1) for enough in (0.5, 0.0))
+    assert (near >= exact - 1e-12).all()
+    far = exact > 0.5
+    assert 0 < far.sum() < len(points)
+    np.testing.assert_allclose(near[far], exact[far])
+    assert near[~far].max() <= 0.5 + 1e-12
