@@ -129,7 +129,10 @@ def _read_image(path: Path, attribute: str) -> GridFlow:
     pieces = list(image.iter("Piece"))
     if len(pieces) != 1:
         raise SettingError(f"it has {len(pieces)} pieces: save it as one")
-    extent = _numbers(image, "WholeExtent", 6).astype(int)
+    extent = _numbers(image, "WholeExtent", 6)
+    if np.abs(extent).max() >= 2**31:
+        raise SettingError(f"its WholeExtent is {extent.tolist()}: give numbers of nodes")
+    extent = extent.astype(int)
     if pieces[0].get("Extent") is not None and (_numbers(pieces[0], "Extent", 6) != extent).any():
         raise SettingError("its piece is not the whole: save it as one")
     turn = _numbers(image, "Direction", 9, (1, 0, 0, 0, 1, 0, 0, 0, 1)).reshape(3, 3)

@@ -32,7 +32,7 @@ def test_mask_and_height_follow_the_formula_at_every_texel(kind, samples, tmp_pa
     off = np.abs(mask - (inside > 0))[clear]
     assert clear.mean() > 0.5 and len(off) > 5000
     assert off.mean() < 0.5 / 255
-    assert (off > 1 / 255).mean() < 5e-3  # at the centres of defects, where the phase turns within a texel
+    assert (off > 1 / 255).mean() < 6e-3  # at the centres of defects, where the phase turns within a texel
     profile = np.where(inside > 0, 0.5 - 0.5 * np.cos(np.pi * np.clip(inside / deepest, 0, 1)), 0.0)
     if samples == 1:
         ramp = np.clip(inside / SOFTNESS + 0.5, 0, 1)
