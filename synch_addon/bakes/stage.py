@@ -14,6 +14,7 @@ from ...core.errors import SynchError
 from ..blender.attributes import read_all
 from ..blender.pattern_surface import surface_modifier, surface_of
 from ..blender.transaction import only_for_now
+from ..blender.translations import operator_error
 
 # Bends from which Smart UV Project makes a seam, in radians: its own default.
 _SEAM_ANGLE = 1.1519173
@@ -61,7 +62,7 @@ class Stage:
                     normal_b="POS_Z",
                 )
         except RuntimeError as error:
-            raise SynchError(f"Cycles cannot bake {self.obj.name}: {_first_line(error)}") from error
+            raise SynchError(f"Cycles cannot bake {self.obj.name}: {operator_error(error).splitlines()[0]}") from error
         values = np.empty(size * size * 4, np.float32)
         image.pixels.foreach_get(values)
         bpy.data.images.remove(image)
@@ -140,7 +141,3 @@ def read_uv(layer):
 def write_uv(layer, values):
     """Set all coordinates of a UV map."""
     layer.uv.foreach_set("vector", np.ascontiguousarray(values, np.float32).ravel())
-
-
-def _first_line(error):
-    return str(error).strip().splitlines()[0].removeprefix("Error: ")

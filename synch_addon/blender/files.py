@@ -19,6 +19,7 @@ from ...core.geometry.check import coarse_places
 from ...core.memory import check_memory
 from .attributes import read_all
 from .quiet import quiet_stderr
+from .translations import operator_error
 
 _IMPORTERS = {
     ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
@@ -84,7 +85,7 @@ def open_input(path):
 
 def _reason(error):
     """What an importer says in one line; of the traceback of one that is written in Python what it ends with."""
-    lines = [line.strip() for line in str(error).removeprefix("Error: ").splitlines()]
+    lines = [line.strip() for line in operator_error(error).splitlines()]
     lines = [line for line in lines if line and not line.startswith("Location: ")]
     return lines[-1] if any("Traceback" in line for line in lines) else " ".join(lines)
 

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_iface
+from bpy.app.translations import pgettext_iface, pgettext_rpt
 
 from ...core.errors import plural
 
@@ -33,6 +33,11 @@ def translate(text, **parts):
 def translate_count(count, noun):
     """Such as "1 dislocation" or "2 dislocations", in the interface's language."""
     return f"{count} {pgettext_iface(noun if count == 1 else plural(noun))}"
+
+
+def operator_error(error):
+    """What an operator of Blender has failed with: the error's text without "Error:" in the interface's language."""
+    return str(error).strip().removeprefix(f"{pgettext_rpt('Error')}: ").strip()
 
 
 def read_catalogue(path):

@@ -12,7 +12,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import Cancelled, SynchError
 from .. import api
-from ..blender.translations import translate
+from ..blender.translations import operator_error, translate
 from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import count_text
@@ -286,7 +286,7 @@ class FieldOperator(ObjectOperator):
             if operator.poll("INVOKE_DEFAULT"):
                 operator("INVOKE_DEFAULT")
         except RuntimeError as error:  # its error, as Blender hands it on
-            self.report({"WARNING"}, f"{obj.name}: {str(error).removeprefix('Error: ').strip()}")
+            self.report({"WARNING"}, f"{obj.name}: {operator_error(error)}")
 
     def draw(self, context):
         draw_redo(self.layout, self)

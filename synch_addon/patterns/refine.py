@@ -26,7 +26,7 @@ from ...core.validation import convert_value
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
-from ..blender.translations import translate
+from ..blender.translations import operator_error, translate
 from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
 from ..jobs.report import versions
@@ -176,7 +176,7 @@ def _subdivide(obj, levels, smooth):
         with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
             bpy.ops.object.modifier_apply(modifier=name, single_user=True)
     except RuntimeError as error:
-        raise SynchError(f"{obj.name} cannot be subdivided: {str(error).strip().removeprefix('Error: ')}") from error
+        raise SynchError(f"{obj.name} cannot be subdivided: {operator_error(error)}") from error
     finally:
         render.use_simplify = simplified
         if name in obj.modifiers:

@@ -43,16 +43,23 @@ def make_active(obj):
     return obj
 
 
+def added(name):
+    """The object that an operator has just added, with its English name in every language."""
+    obj = bpy.context.active_object
+    obj.rename(name, mode="NEVER")  # another object with the name keeps it
+    return obj
+
+
 def sphere(subdivisions=3):
     """A unit sphere of triangles: 162 vertices, about four times as many with each subdivision more."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=1)
-    return bpy.context.active_object
+    return added("Icosphere")
 
 
 def torus():
     """A torus of 24 x 12 quads."""
     bpy.ops.mesh.primitive_torus_add(major_segments=24, minor_segments=12, major_radius=1, minor_radius=0.4)
-    return bpy.context.active_object
+    return added("Torus")
 
 
 def ring(radii, segments):
@@ -77,7 +84,7 @@ def bent(obj):
 def grid(subdivisions=12, size=2.0):
     """A flat square of quads around the origin."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=subdivisions, y_subdivisions=subdivisions, size=size)
-    return bpy.context.active_object
+    return added("Grid")
 
 
 def tube(segments=24, rings=9, height=2.0):

@@ -30,9 +30,10 @@ def moved(obj):
     """Carried far away by an armature's bone, then with other faces."""
     bpy.ops.object.armature_add()
     rig = bpy.context.active_object
-    obj.vertex_groups.new(name="Bone").add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+    (bone,) = rig.pose.bones
+    obj.vertex_groups.new(name=bone.name).add(range(len(obj.data.vertices)), 1.0, "REPLACE")
     obj.modifiers.new("Rig", "ARMATURE").object = rig
-    rig.pose.bones["Bone"].location.x = 5
+    bone.location.x = 5
     subdivided(obj)
     bpy.context.view_layer.update()
 

@@ -10,6 +10,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.core.refinement.spacing import automatic_spacing, carried_spacing, lines_in_period
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import groups, meshes
+from synch_fields.synch_addon.blender.translations import translate
 from synch_fields.synch_addon.patterns import refine
 
 from ..run_commands import undo_and_redo
@@ -81,7 +82,7 @@ def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
     obj, layout = grid(), Layout()
     refine.draw_told(layout, "stripes", obj)
     told = refine.expected_spacing("stripes", obj)
-    assert layout.lines == [f"About {100 * told:.3g} cm apart"]
+    assert layout.lines == [translate("About {length} apart", length=f"{100 * told:.3g} cm")]
     obj.synch.automatic_spacing = False
     refine.draw_told(layout, "stripes", obj)
     assert len(layout.lines) == 1
@@ -111,7 +112,8 @@ def test_warning_appears_where_the_spacing_is_too_fine_and_goes_after_subdividin
     assert warning(obj) == ([], 0)
     obj.synch.spacing = 0.2
     (label, button), levels = warning(obj)
-    assert "Coarse mesh: carries" in label and button == ("synch.refine", "Subdivide to 2,304 Faces")
+    assert label.startswith(translate("Coarse mesh: carries {spacing}", spacing=""))
+    assert button == ("synch.refine", translate("Subdivide to {count:,} Faces", count=2304))
     assert bpy.ops.synch.refine(levels=levels) == {"FINISHED"}
     bpy.context.view_layer.update()
     assert len(obj.data.polygons) == 2304
@@ -130,7 +132,7 @@ def test_no_warning_where_the_pattern_has_a_surface_of_its_own():
 def test_automatic_spacing_warns_of_few_lines():
     bpy.ops.mesh.primitive_cube_add()
     obj = bpy.context.active_object
-    assert "about one line" in warning(obj)[0][0]
+    assert warning(obj)[0][0] == translate("Coarse mesh: about one line across")
     report = api.refine(obj)
     bpy.context.view_layer.update()
     assert report["faces"] == len(obj.data.polygons) == 24 * 4 ** (report["levels"] - 1)
