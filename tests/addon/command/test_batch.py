@@ -78,7 +78,7 @@ def test_a_pattern_with_a_shared_command_and_shares_of_it(ball, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     for name in ("a", "b", "c"):
         (tmp_path / f"{name}.obj").write_bytes(ball.read_bytes())
-    monkeypatch.setattr(batch, "ProcessPool", Here)
+    monkeypatch.setattr(batch.child_loop, "ProcessPool", Here)
     flags = ["--threads", batch.WORKERS, "--folder", "done"]
     rows = ["--", "info", "--report", "{stem}.json"]
     status, out, _ = run(capfd, "batch", "*.obj", *flags, "--share", "1/2", *rows)
@@ -116,7 +116,7 @@ class Here:
 
 def test_pictures_come_small_on_the_sheet(ball, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch, "ProcessPool", Here)
+    monkeypatch.setattr(batch.child_loop, "ProcessPool", Here)
     monkeypatch.setattr(
         main, "_write_outputs", lambda made, options, _progress: draw(made, getattr(options, "render", None))
     )
@@ -230,7 +230,7 @@ POISON = [
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
 def test_rows_of_every_bad_kind_fail_alone(ball, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch, "ProcessPool", Here)
+    monkeypatch.setattr(batch.child_loop, "ProcessPool", Here)
     Path("ball.obj").write_bytes(ball.read_bytes())
     os.mkfifo("pipe.obj")
     good = b'{"command": "info", "input": "ball.obj", "report": "new/%d.json"}'
