@@ -23,7 +23,8 @@ CORNER = np.radians(30)
 # The least angle between a grid line and the growth of its phase: at half a right angle the line would be as near to
 # the other phase's lines.
 LEAST_ALONG = np.radians(50)
-# Two lines that meet at a smaller angle could both run along the same direction of a cross, without a quad between.
+# Two lines that meet at a smaller angle at the boundary could both run along the same direction of a cross, without a
+# quad between. Inside, where a sharp edge fades out beside another, such a corner needs none.
 NARROW = np.radians(50)
 # Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are no features;
 # a boundary always is.
@@ -143,10 +144,12 @@ def _meetings(mesh: TriangleMesh, edges: np.ndarray) -> tuple[np.ndarray, np.nda
 def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge or the boundary") -> Row:
     """The row that holds a grid line on edges where no other row applies.
 
-    At corners too narrow for a right angle, the crosses' diagonal runs between the lines, so that there is a quad.
+    At corners of the boundary too narrow for a right angle, the crosses' diagonal runs between the lines, so that there
+    is a quad.
     """
     line = line_of_edges(mesh, edges)
     corners = line_corners(mesh, edges)
+    corners = corners[mesh.boundary_vertices[corners]]
     for corner, (around, gaps) in zip(corners, _wedges(mesh, edges, corners), strict=True):
         between = around[: len(gaps)] + gaps / 2
         narrow = gaps < NARROW * mesh.angle_scales[corner]
