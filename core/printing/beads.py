@@ -2,17 +2,20 @@
 """Beads that cover layers: contours or planes a step apart, and beads where contours leave a gap."""
 
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
+from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.layers.toolpaths import refuse_many_points, rim_distances, toolpaths
 from ..extract.lines.isolines import End, Isolines
+from ..geometry import TriangleMesh
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
 from .coverage import NARROWEST, REACH, BeadDistances, share_area
 from .flat import RimDistances, is_flat, rim_pieces
-from .medial_axis import beads_through, medial_beads
+from .medial_axis import Polyline, beads_through, medial_beads
 from .subdivision import subdivide, subdivide_by
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
@@ -29,6 +32,8 @@ _SHORT, _FLAT = 1.5, 0.1
 _ROUNDS, _TIP = 3, 0.12
 # Kind of beads that fill gaps.
 _GAP = 2
+# Lines, and layers and kinds of these, and widths at their points.
+_Found: TypeAlias = tuple[Isolines, np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,7 @@ class Beads:
     covered_share: float
 
 
-def contour_beads(surfaces, step):
+def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
     """:class:`Beads` one inside the other from the rim of each layer inwards, the first half a step from it.
 
     Where two contours leave a gap, and where a layer is narrower than a step, a bead lies along the middle.
@@ -62,9 +67,11 @@ def contour_beads(surfaces, step):
     if flat:
         rims = RimDistances(surfaces, step)
         coarse = surfaces.mesh
-        found = rims(coarse.vertices, np.arange(coarse.vertex_count))
-        refuse_many_points(coarse, found, step)
-        mesh, parents, distances = subdivide_by(coarse, found, rims, _SIZE * step, _BENT * step, _MOST_TRIANGLES)
+        away_from_rim = rims(coarse.vertices, np.arange(coarse.vertex_count))
+        refuse_many_points(coarse, away_from_rim, step)
+        mesh, parents, distances = subdivide_by(
+            coarse, away_from_rim, rims, _SIZE * step, _BENT * step, _MOST_TRIANGLES
+        )
     else:
         mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
         distances = rim_distances(mesh)
@@ -97,7 +104,7 @@ def contour_beads(surfaces, step):
     return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, away, step))
 
 
-def plane_beads(surfaces, values, step):
+def plane_beads(surfaces: LayerSurfaces, values: np.ndarray, step: float) -> Beads:
     """:class:`Beads` where (p,) values at the vertices of layers are multiples of a step."""
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
@@ -106,7 +113,7 @@ def plane_beads(surfaces, values, step):
     return Beads(lines, layers, np.ones(len(layers), int), *shared)
 
 
-def without_straight_points(lines, longest):
+def without_straight_points(lines: Isolines, longest: float) -> Isolines:
     """Lines without points on straight ways between others that are no farther apart than the longest."""
     points, following = lines.points, lines.next
     ways = points[following] - points
@@ -123,13 +130,13 @@ def without_straight_points(lines, longest):
     return replace(lines, triangles=lines.triangles[kept], weights=lines.weights[kept], sizes=sizes)
 
 
-def _away(lines, layers, step):
+def _away(lines: Isolines, layers: np.ndarray, step: float) -> BeadDistances:
     """:class:`BeadDistances` of lines."""
     points = lines.points
     return BeadDistances(points, points[lines.next], layers[lines.numbers], step)
 
 
-def _widths(lines):
+def _widths(lines: Isolines) -> np.ndarray:
     """(l,) mean widths of what closed lines go around."""
     points = lines.points
     crosses = np.cross(points - points[lines.starts][lines.numbers], points[lines.next] - points)
@@ -137,26 +144,26 @@ def _widths(lines):
     return np.linalg.norm(doubled, axis=1) / np.maximum(lines.lengths, np.finfo(float).tiny)
 
 
-def _is_large(mesh, far, bare, area):
+def _is_large(mesh: TriangleMesh, far: np.ndarray, bare: np.ndarray, area: float) -> np.ndarray:
     """(n,) bool: vertices in pieces of those that are far with at least an area, or on layers that are bare."""
     inside = far[mesh.edges].all(axis=1)
     piece = components(mesh.vertex_count, mesh.edges[inside])
     return bare | (np.bincount(piece, mesh.vertex_masses)[piece] >= area)
 
 
-def _on_parents(lines, mesh, parents):
+def _on_parents(lines: Isolines, mesh: TriangleMesh, parents: np.ndarray) -> Isolines:
     """Lines on parts of triangles as lines on these."""
     triangles = parents[lines.triangles]
     return replace(lines, mesh=mesh, triangles=triangles, weights=barycentric(mesh, triangles, lines.points))
 
 
-def _rim(surfaces, step):
+def _rim(surfaces: LayerSurfaces, step: float) -> BeadDistances:
     """:class:`BeadDistances` of the layers' rims."""
     begins, ends, layers = rim_pieces(surfaces)
     return BeadDistances(begins, ends, layers, step)
 
 
-def _join_beads(found, more, away, rim, step):
+def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: BeadDistances, step: float) -> _Found:
     """Lines, layers, kinds and widths with those of more beads, put onto the layers, ordered by layer."""
     lines, layers, kinds, widths = found
     if not more:

@@ -7,6 +7,8 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from ..algebra.workers import WORKERS
+from ..extract.lines.isolines import Isolines
+from ..geometry import TriangleMesh
 from ..graphs import ragged_arange
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
@@ -33,7 +35,7 @@ class BeadDistances:
     step : between beads
     """
 
-    def __init__(self, begins, ends, layers, step):
+    def __init__(self, begins: np.ndarray, ends: np.ndarray, layers: np.ndarray, step: float) -> None:
         counts = np.maximum(np.ceil(np.linalg.norm(ends - begins, axis=1) * _PARTS / step).astype(int), 1)
         piece, place = ragged_arange(counts)
         points = begins[piece] + (place / counts[piece])[:, None] * (ends - begins)[piece]
@@ -44,11 +46,11 @@ class BeadDistances:
         at = np.column_stack([points, self._apart * layers])
         self._tree = cKDTree(at, balanced_tree=False, compact_nodes=False) if len(points) else None
 
-    def __call__(self, points, layers):
+    def __call__(self, points: np.ndarray, layers: np.ndarray) -> np.ndarray:
         """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead."""
         return self.nearest(points, layers)[0]
 
-    def nearest(self, points, layers):
+    def nearest(self, points: np.ndarray, layers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The same, and (n,) the piece that is nearest, -1 for none."""
         if self._tree is None or len(points) == 0:
             return np.full(len(points), np.inf), np.full(len(points), -1)
@@ -57,7 +59,9 @@ class BeadDistances:
         return np.where(near, found, np.inf), np.where(near, self._pieces[np.where(near, at, 0)], -1)
 
 
-def share_area(mesh, layers, lines, away, step):
+def share_area(
+    mesh: TriangleMesh, layers: np.ndarray, lines: Isolines, away: BeadDistances, step: float
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Share the area of layers out to the beads that are nearest to it.
 
     Parameters
@@ -87,7 +91,7 @@ def share_area(mesh, layers, lines, away, step):
     return widths, covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
 
 
-def _samples(mesh, step):
+def _samples(mesh: TriangleMesh, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Places spread evenly over triangles, one at least on each, and (k,) the triangle of each (Martin Roberts' R2
     sequence, folded into the triangle)."""
     each = max((step / _SAMPLES) ** 2, mesh.areas.sum() / _MOST)
@@ -99,7 +103,7 @@ def _samples(mesh, step):
     return a + u[:, None] * (b - a) + v[:, None] * (c - a), triangle
 
 
-def even_along(lines, amounts, length):
+def even_along(lines: Isolines, amounts: np.ndarray, length: float) -> np.ndarray:
     """(n,) density along lines of (n,) amounts at their points, evened out over a length; its integral is their sum."""
     masses = point_lengths(lines)
     steps, following = lines.steps, lines.next
@@ -113,7 +117,7 @@ def even_along(lines, amounts, length):
     return spsolve((off + diags_array(masses - np.asarray(off.sum(axis=1)).ravel())).tocsc(), amounts)
 
 
-def point_lengths(lines):
+def point_lengths(lines: Isolines) -> np.ndarray:
     """(n,) of lines at each point: half of the pieces that end there."""
     lengths = lines.steps / 2
     return lengths + np.bincount(lines.next, lengths, len(lengths))

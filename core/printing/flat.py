@@ -5,6 +5,8 @@ space."""
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..extract.layers.surfaces import LayerSurfaces
+from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within
 from .coverage import BeadDistances
 from .heights import NOTHING, OUTSIDE, Below
@@ -18,13 +20,13 @@ _MOST = 100_000
 _BATCH = 2_000_000
 
 
-def is_flat(surfaces):
+def is_flat(surfaces: LayerSurfaces) -> bool:
     """Whether all layers are planes across one direction."""
     normals = surfaces.mesh.face_normals
     return bool(len(normals)) and float((normals @ normals[0]).min()) > 1 - _PARALLEL
 
 
-def rim_pieces(surfaces):
+def rim_pieces(surfaces: LayerSurfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(k, 3) begins and ends of the pieces of all rims, and (k,) the layer of each."""
     mesh = surfaces.mesh
     half = np.flatnonzero(mesh.twins < 0)
@@ -35,7 +37,7 @@ def rim_pieces(surfaces):
 class RimDistances:
     """Distances from the rim of the own layer, straight from its pieces."""
 
-    def __init__(self, surfaces, step):
+    def __init__(self, surfaces: LayerSurfaces, step: float) -> None:
         self._begins, ends, layers = rim_pieces(surfaces)
         self._ways = ends - self._begins
         length = np.linalg.norm(self._ways, axis=1).sum()
@@ -43,7 +45,7 @@ class RimDistances:
         self._layers = np.zeros(len(surfaces.vertices), int)
         self._layers[surfaces.triangles] = surfaces.layers[:, None]
 
-    def __call__(self, points, vertices):
+    def __call__(self, points: np.ndarray, vertices: np.ndarray) -> np.ndarray:
         """(k,) from (k, 3) points on the layers of (k,) vertices."""
         _, piece = self._near.nearest(points, self._layers[vertices])
         along, away = self._ways[piece], points - self._begins[piece]
@@ -51,7 +53,9 @@ class RimDistances:
         return np.linalg.norm(away - np.clip(shares, 0, 1)[:, None] * along, axis=1)
 
 
-def flat_below(surfaces, solid, points, normals, layers, spacing):
+def flat_below(
+    surfaces: LayerSurfaces, solid: TetMesh, points: np.ndarray, normals: np.ndarray, layers: np.ndarray, spacing: float
+) -> Below:
     """:class:`.heights.Below` of places on flat layers; parameters as :func:`.heights.below`.
 
     What lies over the next level is as high as that is away; for the others, the end of the solid is looked for.
@@ -83,7 +87,7 @@ def flat_below(surfaces, solid, points, normals, layers, spacing):
     return Below(ways, found)
 
 
-def _ways_out(solid, points, direction, flat):
+def _ways_out(solid: TetMesh, points: np.ndarray, direction: np.ndarray, flat: np.ndarray) -> np.ndarray:
     """(n,) ways from points along a direction to the solid's boundary, infinite where there is none."""
     mesh = solid.boundary_surface[0]
     facing = mesh.face_normals @ direction > 0
@@ -109,11 +113,11 @@ def _ways_out(solid, points, direction, flat):
     return ways
 
 
-def _across(one, other):
+def _across(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
 
 
-def _encloses(begins, ends, points):
+def _encloses(begins: np.ndarray, ends: np.ndarray, points: np.ndarray) -> np.ndarray:
     """(n,) bool: whether rims go around points, by how often a ray to the right crosses them."""
     x, y = points[:, :1], points[:, 1:]
     (ax, ay), (bx, by) = begins.T, ends.T

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..extract.layers.surfaces import LayerSurfaces
 from ..geometry import TriangleMesh
 from ..geometry.nearest import NearestTriangles
 from .coverage import MIDDLES
@@ -14,7 +15,7 @@ FAR = 0.05
 _SIZE, _MOST = 0.5, 200_000
 
 
-def far_share(mesh, triangles, surfaces, spacing):
+def far_share(mesh: TriangleMesh, triangles: np.ndarray, surfaces: LayerSurfaces, spacing: float) -> float:
     """Share of the area of a part of a surface that is farther than :data:`FAR` spacings from all layers.
 
     Parameters

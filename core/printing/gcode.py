@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """G-code: moves of a printer along beads, with the filament that each of them takes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any, Self
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError, cKDTree
@@ -11,6 +13,7 @@ from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
 from ..graphs import pairs_within, ragged_arange
 from .kinematics import divide_moves, table_angles, to_machine, to_part, tool_directions
+from .machine import Machine
 from .moves import simplify_moves
 from .timing import feed_words, move_seconds, overhead_seconds, turn_accelerations
 from .writer import ProgramWriter
@@ -44,14 +47,14 @@ class Course:
     places: np.ndarray
     widths: np.ndarray
     heights: np.ndarray
-    runs: list
+    runs: list[np.ndarray]
     layers: np.ndarray
     step: float
-    kinds: list = field(default_factory=list)
+    kinds: list[str] = field(default_factory=list)
     levels: np.ndarray = field(default_factory=lambda: np.empty(0, int))
 
     @property
-    def is_first(self):
+    def is_first(self) -> np.ndarray:
         """(l,) bool: beads of layers on the bed, as low as the lowest one, of each foot of the part."""
         layers, bead = np.unique(self.layers, return_inverse=True)
         lengths = [len(run) for run in self.runs]
@@ -90,7 +93,7 @@ class Program:
     warnings: tuple[str, ...] = ()
 
 
-def gcode(course, machine):
+def gcode(course: Course, machine: Machine) -> Program:
     """The :class:`Program` of a course.
 
     Points that no move needs (``Machine.tolerance``) are left out, what leads to them is extruded by the next move; on
@@ -143,7 +146,7 @@ def gcode(course, machine):
     return Program(text, warnings=told, **moves.facts)
 
 
-def _check_place(course, machine):
+def _check_place(course: Course, machine: Machine) -> None:
     """Refuse a part that the tip cannot reach."""
     used = course.points[np.concatenate(course.runs)]
     low, high = machine.reach
@@ -158,7 +161,7 @@ def _check_place(course, machine):
             )
 
 
-def _about_axes(places, machine):
+def _about_axes(places: np.ndarray, machine: Machine) -> Iterator[str]:
     """Of a table that turns: axes that go farther than the bed, although the part lies on it."""
     low, high = machine.reach
     for axis, name in enumerate("XYZ" if machine.turns else ""):
@@ -170,12 +173,12 @@ def _about_axes(places, machine):
             )
 
 
-def _about_start(machine):
+def _about_start(machine: Machine) -> Iterator[str]:
     for word, meaning in machine.contradictions.items():
         yield f"the start text ends with {meaning} ({word}): the program sets {machine.modes} after it"
 
 
-def _with_skirt(course, machine):
+def _with_skirt(course: Course, machine: Machine) -> tuple[Course, list[str]]:
     """The course with lines around its first layer before it, and warnings."""
     first = np.concatenate([run for run, is_first in zip(course.runs, course.is_first, strict=True) if is_first])
     flat = course.points[first, :2]
@@ -239,10 +242,10 @@ class _Moves:
     sizes: np.ndarray
     begins: np.ndarray
     reach: float
-    facts: dict
+    facts: dict[str, Any]
 
     @classmethod
-    def of(cls, course, machine):
+    def of(cls, course: Course, machine: Machine) -> Self:
         order, sizes = np.concatenate(course.runs), np.array([len(run) for run in course.runs])
         points, axes = course.points[order], course.axes[order]
         first = np.zeros(len(order), bool)
@@ -297,7 +300,7 @@ class _Moves:
         begins = np.append(np.flatnonzero(first), len(first))
         return cls(places, angles, points, filament, feeds, sizes, begins, reach, facts)
 
-    def clearances(self, course, machine):
+    def clearances(self, course: Course, machine: Machine) -> np.ndarray:
         """(l,) how far what is printed near the way to each bead's begin reaches above the ends of this way, along the
         tool; infinite for long ways."""
         ends, first = self.begins[1:-1] - 1, self.begins[1:-1]
@@ -323,19 +326,21 @@ class _Moves:
         return found
 
 
-def _between(values, spans, shares):
+def _between(values: np.ndarray, spans: np.ndarray, shares: np.ndarray) -> np.ndarray:
     """Values at points and part of the way to the next ones."""
     following = np.minimum(spans + 1, len(values) - 1)
     shares = shares.reshape(-1, *[1] * (values.ndim - 1))
     return values[spans] + shares * (values[following] - values[spans])
 
 
-def _sections(along, filled):
+def _sections(along: np.ndarray, filled: np.ndarray) -> np.ndarray:
     ways = np.diff(along)
     return np.diff(filled) / np.where(ways > 0, ways, 1)
 
 
-def _deviation(points, angles, places, kept, bead, machine):
+def _deviation(
+    points: np.ndarray, angles: np.ndarray, places: np.ndarray, kept: np.ndarray, bead: np.ndarray, machine: Machine
+) -> float:
     """How far the tip is from its way on the part at most, at all points and half way between them."""
     if not machine.turns or len(points) < 2:
         return 0.0
@@ -349,14 +354,14 @@ def _deviation(points, angles, places, kept, bead, machine):
     return float(np.linalg.norm(to_part(turned[:, :3], turned[:, 3:], machine) - wanted, axis=1).max())
 
 
-def _tops(places, machine):
+def _tops(places: np.ndarray, machine: Machine) -> np.ndarray:
     """(n,) heights above which the tool clears places, however the table turns."""
     if not machine.turns:
         return places[:, 2]
     return machine.pivot_z + np.linalg.norm(places - [0, 0, machine.pivot_z], axis=1)
 
 
-def _header(course, machine, moves):
+def _header(course: Course, machine: Machine, moves: _Moves) -> list[str]:
     """Comments that previews and printers read."""
     facts, whole = moves.facts, round(moves.facts["seconds"])
     hours, minutes, seconds = whole // 3600, whole // 60 % 60, whole % 60
@@ -371,7 +376,7 @@ def _header(course, machine, moves):
     ]
 
 
-def _begin(machine):
+def _begin(machine: Machine) -> list[str]:
     """Heating, the start text, and the state that the moves expect."""
     heated = [("140", "190", machine.bed_temperature), ("104", "109", machine.nozzle_temperature)]
     rows = [f"M{warm} S{degrees:g}" for warm, _, degrees in heated if degrees]

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..extract.layers.surfaces import LayerSurfaces
+from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within
 from .subdivision import subdivide
 
@@ -33,12 +35,14 @@ class Below:
     heights: np.ndarray
     layers: np.ndarray
 
-    def at(self, points):
+    def at(self, points: np.ndarray) -> "Below":
         """Of some of the places."""
         return Below(self.heights[points], self.layers[points])
 
 
-def below(surfaces, solid, points, normals, layers, spacing):
+def below(
+    surfaces: LayerSurfaces, solid: TetMesh, points: np.ndarray, normals: np.ndarray, layers: np.ndarray, spacing: float
+) -> Below:
     """:class:`Below` of places on layers, against their normals.
 
     Parameters
@@ -81,7 +85,7 @@ def below(surfaces, solid, points, normals, layers, spacing):
     return Below(heights, found)
 
 
-def _ways(points, directions, a, b, c):
+def _ways(points: np.ndarray, directions: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """(k,) ways from points along unit directions to triangles, infinite past them (Möller and Trumbore 1997)."""
     ab, ac = b - a, c - a
     across = np.cross(directions, ac)

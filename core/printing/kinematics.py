@@ -11,6 +11,8 @@ import numpy as np
 from scipy.sparse import block_diag, csc_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
+from .machine import Machine
+
 # Near upright the table may keep its turn: over a way of this, in millimetres, over the sine of the tilt, turns are
 # evened out where the tool then stands nearly as it should.
 _EVENED = 0.1
@@ -18,12 +20,12 @@ _EVENED = 0.1
 _FREE = 1e-4
 
 
-def _turned(x, y, angles):
+def _turned(x: np.ndarray, y: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     cosines, sines = np.cos(angles), np.sin(angles)
     return cosines * x - sines * y, sines * x + cosines * y
 
 
-def to_machine(points, angles, machine):
+def to_machine(points: np.ndarray, angles: np.ndarray, machine: Machine) -> np.ndarray:
     """(n, 3) places of the linear axes for (n, 3) points of the part and (n, 2) angles of the table, degrees."""
     if not machine.turns:
         return points
@@ -38,7 +40,7 @@ def to_machine(points, angles, machine):
     return np.column_stack([x, y, z]) + pivot
 
 
-def to_part(places, angles, machine):
+def to_part(places: np.ndarray, angles: np.ndarray, machine: Machine) -> np.ndarray:
     """(n, 3) points of the part where the tip is: the inverse of :func:`to_machine`."""
     if not machine.turns:
         return places
@@ -53,14 +55,14 @@ def to_part(places, angles, machine):
     return np.column_stack([x, y, z]) + pivot
 
 
-def tool_directions(angles, machine):
+def tool_directions(angles: np.ndarray, machine: Machine) -> np.ndarray:
     """(n, 3) unit vectors along which the tool stands on the part."""
     up = np.tile([0.0, 0.0, 1.0], (len(angles), 1))
     pivot = np.array([0, 0, machine.pivot_z])
     return to_part(pivot + up, angles, machine) - pivot if machine.turns else up
 
 
-def table_angles(points, axes, sizes, machine):
+def table_angles(points: np.ndarray, axes: np.ndarray, sizes: np.ndarray, machine: Machine) -> np.ndarray:
     """(n, 2) angles of the table along beads, in degrees: steady within each, and near those of the bead before.
 
     A table that is tilted to the other side and turned by half a turn has the tool along the same direction. Within a
@@ -94,14 +96,14 @@ def table_angles(points, axes, sizes, machine):
     return np.degrees(np.column_stack([tilts if machine.axes == "ac" else -tilts, turns]))
 
 
-def _along(x, y, turns, machine):
+def _along(x: np.ndarray, y: np.ndarray, turns: np.ndarray, machine: Machine) -> np.ndarray:
     """Sine of the tilt with a sign: the level part of the tool along the direction of a turn."""
     if machine.axes == "ac":
         return x * np.sin(turns) + y * np.cos(turns)
     return x * np.cos(turns) - y * np.sin(turns)
 
 
-def _unwrapped(turns, known, begins, sizes):
+def _unwrapped(turns: np.ndarray, known: np.ndarray, begins: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Turns that change by less than a quarter within each bead, up to halves; interpolated where not known."""
     result = np.zeros(len(turns))
     for begin, size in zip(begins.tolist(), np.asarray(sizes).tolist(), strict=True):
@@ -111,7 +113,7 @@ def _unwrapped(turns, known, begins, sizes):
     return result
 
 
-def _even(points, turns, level, sizes):
+def _even(points: np.ndarray, turns: np.ndarray, level: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Turns evened out near upright: the least of sum level^4 (new - old)^2 + _EVENED^4 times the squared second
     derivatives along each bead."""
     parts, begin = [], 0
@@ -134,7 +136,9 @@ def _even(points, turns, level, sizes):
     return spsolve(csc_matrix(matrix), weights * turns)
 
 
-def divide_moves(points, angles, first, machine):
+def divide_moves(
+    points: np.ndarray, angles: np.ndarray, first: np.ndarray, machine: Machine
+) -> tuple[np.ndarray, np.ndarray]:
     """More points along beads, between which straight moves of the machine's axes keep the tip near its way: less than
     half of the machine's deviation.
 
@@ -174,11 +178,13 @@ def divide_moves(points, angles, first, machine):
     return spans, place / counts[spans]
 
 
-def _off(points, angles, spans, begin, end, machine):
+def _off(
+    points: np.ndarray, angles: np.ndarray, spans: np.ndarray, begin: np.ndarray, end: np.ndarray, machine: Machine
+) -> np.ndarray:
     """(k,) how far the tip leaves its way during straight moves of the axes, each a part of the way from a point to the
     next."""
 
-    def places(values, shares):
+    def places(values: np.ndarray, shares: np.ndarray) -> np.ndarray:
         return values[spans] + shares[:, None] * (values[spans + 1] - values[spans])
 
     first, last = (to_machine(places(points, at), places(angles, at), machine) for at in (begin, end))

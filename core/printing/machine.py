@@ -5,6 +5,7 @@ import math
 import re
 import tomllib
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 from ..errors import SettingError, quote_value
@@ -105,7 +106,7 @@ class Machine:
     start: str = "G28"
     end: str = "M104 S0\nM84"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         convert_values(self)
         check_choice(self, "axes", AXES)
         check_choice(self, "moves", MOVES)
@@ -140,12 +141,12 @@ class Machine:
             )
 
     @property
-    def _start_words(self):
+    def _start_words(self) -> list[str]:
         lines = [line.split(";")[0].upper() for line in self.start.splitlines()]
         return [word for line in lines for word in re.findall(r"[GM]\d+(?![\d.])", line)]
 
     @property
-    def contradictions(self):
+    def contradictions(self) -> dict[str, str]:
         """Words of the start text that the moves contradict, and what they set; :attr:`modes` puts them right."""
         wrong, words = _OVERRIDDEN | _EXTRUSION[self.extrusion][1], self._start_words
         # The last of a kind counts.
@@ -158,24 +159,25 @@ class Machine:
         }
 
     @property
-    def modes(self):
+    def modes(self) -> str:
         """Words after the start text: millimetres, places that are absolute, and how extrusion counts."""
         return f"G21 G90 {_EXTRUSION[self.extrusion][0]}"
 
     @property
-    def turns(self):
+    def turns(self) -> bool:
         """Whether the tool follows the layers' normals."""
         return self.axes != "xyz"
 
     @property
-    def middle(self):
+    def middle(self) -> tuple[float, float]:
         """X and Y of the middle of the part."""
-        corner = self.bed_origin == "corner"
-        middle = (self.bed_width / 2 if corner else 0.0, self.bed_depth / 2 if corner else 0.0)
-        return tuple(at if given is None else given for at, given in zip(middle, (self.bed_x, self.bed_y), strict=True))
+        half = 0.5 if self.bed_origin == "corner" else 0.0
+        x, y = (half * size if at is None else at
+                for at, size in ((self.bed_x, self.bed_width), (self.bed_y, self.bed_depth)))  # fmt: skip
+        return x, y
 
     @property
-    def reach(self):
+    def reach(self) -> tuple[list[float], list[float]]:
         """Lowest and highest X, Y and Z of the bed, infinite where it is not known."""
         low, high = [], []
         for size in (self.bed_width, self.bed_depth):
@@ -185,7 +187,7 @@ class Machine:
         return [*low, -math.inf], [*high, self.bed_height or math.inf]
 
 
-def read_machine(path):
+def read_machine(path: str | PathLike[str]) -> Machine:
     """The :class:`Machine` of a name among :data:`MACHINES`, or of a .toml file with some of its attributes; the others
     are as in the machine that a line such as ``machine = "marlin"`` names, or as they are by default.
 

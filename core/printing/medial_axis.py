@@ -5,6 +5,7 @@ The medial line is where the nearest places of the rim change from one side to a
 belong to places of the rim that are far apart along it, cut where both are equally far.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from ..extract.layers.toolpaths import rim_vertices
+from ..geometry import TriangleMesh
 from ..geometry.polylines import around, places_at, polyline_length
 from ..graphs import components
 
@@ -44,11 +46,17 @@ class Polyline:
     layer: int
 
     @property
-    def length(self):
+    def length(self) -> float:
         return polyline_length(around(self.points, self.closed))
 
 
-def medial_beads(mesh, layers, distances, away, step):
+def medial_beads(
+    mesh: TriangleMesh,
+    layers: np.ndarray,
+    distances: np.ndarray,
+    away: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    step: float,
+) -> list[Polyline]:
     """Beads along the medial lines of layers, where other beads are farther than half a step.
 
     Parameters
@@ -89,7 +97,7 @@ def medial_beads(mesh, layers, distances, away, step):
     return beads
 
 
-def _medial_points(mesh, distances, step):
+def _medial_points(mesh: TriangleMesh, distances: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Edges that the medial line crosses, and how far along each."""
     sources = _nearest_on_rim(mesh)
     loop, way, length = _along_rims(mesh)
@@ -105,7 +113,7 @@ def _medial_points(mesh, distances, step):
     return edges, np.clip(places, 0.02, 0.98)
 
 
-def _nearest_on_rim(mesh):
+def _nearest_on_rim(mesh: TriangleMesh) -> np.ndarray:
     """(n,) the vertex of the rim that is nearest to each vertex, of those that it is led to along edges."""
     i, j = mesh.edges.T
     count = mesh.vertex_count
@@ -124,7 +132,7 @@ def _nearest_on_rim(mesh):
     return sources
 
 
-def _along_rims(mesh):
+def _along_rims(mesh: TriangleMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(n,) the loop of the rim that a vertex is on, (n,) its way along it, and the length of each loop.
 
     A vertex on none has a loop of its own, without length.
@@ -149,7 +157,7 @@ def _along_rims(mesh):
     return loop, way, length
 
 
-def chains(count, pairs):
+def chains(count: int, pairs: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
     """Nodes in the order in which pairs join them, no node being in more than two: yields (k,) nodes and whether they
     close."""
     beside: list[list[int]] = [[] for _ in range(count)]
@@ -169,7 +177,7 @@ def chains(count, pairs):
         yield np.array(run), len(beside[first]) == 2
 
 
-def smooth(bead, step):
+def smooth(bead: Polyline, step: float) -> Polyline:
     """A bead without the bends that come from the edges of the mesh, its points a share of a step apart."""
     points = around(bead.points, bead.closed)
     length = polyline_length(points)
@@ -184,7 +192,7 @@ def smooth(bead, step):
     return Polyline(points, bead.closed, bead.layer)
 
 
-def beads_through(mesh, layers, far, step):
+def beads_through(mesh: TriangleMesh, layers: np.ndarray, far: np.ndarray, step: float) -> list[Polyline]:
     """Beads through vertices that are left: along the longest way in each piece of them.
 
     Parameters

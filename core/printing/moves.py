@@ -7,7 +7,7 @@ import numpy as np
 SECTION = 0.05
 
 
-def simplify_moves(along, stations, sections, tolerance):
+def simplify_moves(along: np.ndarray, stations: np.ndarray, sections: np.ndarray, tolerance: float) -> np.ndarray:
     """Points of a bead between which straight moves stay near it (Ramer, Douglas and Peucker, with both ways at the
     same share of the length).
 

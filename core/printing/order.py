@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..extract.lines.isolines import Isolines
 from ..graphs import ragged_arange
 
 
-def layer_order(count, carried, carrying):
+def layer_order(count: int, carried: np.ndarray, carrying: np.ndarray) -> np.ndarray:
     """Layers in an order in which what carries comes before what it carries, the lowest number first where it is free.
 
     Parameters
@@ -43,7 +44,7 @@ def layer_order(count, carried, carrying):
     return np.array(order, int)
 
 
-def count_levels(order, carried, carrying):
+def count_levels(order: np.ndarray, carried: np.ndarray, carrying: np.ndarray) -> np.ndarray:
     """(count,) how many layers are below each one; a layer that none carries is level with the one printed before it.
 
     Parameters as those and the result of :func:`layer_order`.
@@ -58,7 +59,7 @@ def count_levels(order, carried, carrying):
     return levels
 
 
-def order_lines(lines, layers, order):
+def order_lines(lines: Isolines, layers: np.ndarray, order: np.ndarray) -> tuple[Isolines, np.ndarray, np.ndarray]:
     """Lines in the order of their layers, each time the nearest next; closed ones begin, open ones end where it suits.
 
     Parameters

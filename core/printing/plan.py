@@ -9,8 +9,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import SettingError
+from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.lines.isolines import Isolines
+from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within, ragged_arange
+from .beads import Beads
 from .coverage import even_along, point_lengths
 from .flat import flat_below, is_flat
 from .gcode import GAP, INNER, WALL, Course
@@ -80,49 +83,49 @@ class PrintPlan:
     lowest: np.ndarray
 
     @cached_property
-    def places(self):
+    def places(self) -> np.ndarray:
         """(n, 3) the lines' points in the world."""
         return _place_bead(self.matrix, self.lines.points)
 
     @cached_property
-    def normals(self):
+    def normals(self) -> np.ndarray:
         """(n, 3) of the layers there, in the world: turned and mirrored like them, a matrix of layers has no scale."""
         return self.lines.normals @ self.matrix[:3, :3].T
 
     @property
-    def heights(self):
+    def heights(self) -> np.ndarray:
         """(n,) of the beads at the lines' points."""
         return self.down + self.up
 
     @cached_property
-    def tips(self):
+    def tips(self) -> np.ndarray:
         """(n, 3) of the nozzle in the world, at the top of the bead."""
         return self.places + self.up[:, None] * self.normals
 
     @cached_property
-    def printed_volume(self):
+    def printed_volume(self) -> float:
         """Of the beads, scene units."""
         sections = self.widths * self.heights
         return float((self.lines.steps * (sections + sections[self.lines.next]) / 2).sum())
 
     @property
-    def collided(self):
+    def collided(self) -> np.ndarray:
         """(n,) bool, whether the tool meets something there."""
         return self.met >= 0
 
     @cached_property
-    def tilts(self):
+    def tilts(self) -> np.ndarray:
         """(n,) degrees between the layers' normals and upright, in the world."""
         return tilts(self.normals)
 
     @cached_property
-    def shares(self):
+    def shares(self) -> np.ndarray:
         """(n,) length of the lines at each point, half of each piece at its ends, as a share of all."""
         lengths = point_lengths(self.lines)
         return lengths / max(lengths.sum(), np.finfo(float).tiny)
 
     @property
-    def course(self):
+    def course(self) -> Course:
         """The :class:`Course` of the program, in the machine's space; without pieces that have no height."""
         machine, heights = self.machine, self.heights
         points = (self.tips - self.lowest) * machine.scale
@@ -149,7 +152,7 @@ class PrintPlan:
             self.levels[self.layers[of]],
         )
 
-    def runs_of(self, chosen):
+    def runs_of(self, chosen: np.ndarray) -> list[np.ndarray]:
         """Lists of consecutive points of a line that are all chosen, (n,) bool."""
         following = self.lines.next
         inner = chosen & chosen[following] & (following == np.arange(len(following)) + 1)
@@ -157,7 +160,15 @@ class PrintPlan:
         return [group for group in groups if len(group) and chosen[group[0]]]
 
 
-def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
+def print_plan(
+    surfaces: LayerSurfaces,
+    solid: TetMesh,
+    beads: Beads,
+    matrix: np.ndarray,
+    machine: Machine,
+    step: float,
+    spacing: float,
+) -> PrintPlan:
     """The :class:`PrintPlan` of :class:`Beads`.
 
     Parameters
@@ -204,7 +215,7 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     )  # fmt: skip
 
 
-def _own_ways(below, above, areas, volume, spacing):
+def _own_ways(below: Below, above: Below, areas: np.ndarray, volume: float, spacing: float) -> list[np.ndarray]:
     """(n,) how far beads reach down, and up: half way to the next layer, or to the end of the solid.
 
     Where normals run apart, or layers end inside, ways to the end of the solid pass through what other beads fill: they
@@ -221,7 +232,9 @@ def _own_ways(below, above, areas, volume, spacing):
     return [way + share * end for way, end in zip(ways, outside, strict=True)]
 
 
-def _leaning(points, following, ranks, asked, reach):
+def _leaning(
+    points: np.ndarray, following: np.ndarray, ranks: np.ndarray, asked: np.ndarray, reach: float
+) -> np.ndarray:
     """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach."""
     result, here = np.zeros(len(points), bool), np.flatnonzero(asked)
     counts = np.maximum(np.ceil(4 / reach * np.linalg.norm(points[following] - points, axis=1)).astype(int), 1)
@@ -234,7 +247,7 @@ def _leaning(points, following, ranks, asked, reach):
     return result
 
 
-def _carrying_layers(lines, layers, found, count):
+def _carrying_layers(lines: Isolines, layers: np.ndarray, found: Below, count: int) -> np.ndarray:
     """Layers that lie on others with more than a small share, and these."""
     of = layers[lines.numbers]
     pairs, numbers = np.unique(np.column_stack([of, found.layers]), axis=0, return_counts=True)
@@ -243,5 +256,5 @@ def _carrying_layers(lines, layers, found, count):
     return pairs[kept].T
 
 
-def _place_bead(matrix, points):
+def _place_bead(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ matrix[:3, :3].T + matrix[:3, 3]

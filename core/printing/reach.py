@@ -5,6 +5,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..graphs import pairs_within
+from .machine import Machine
 
 # Places that are looked at together.
 _BATCH = 1024
@@ -12,12 +13,12 @@ _BATCH = 1024
 _NEAR, _COARSE = 4.0, 1.0
 
 
-def tilts(normals):
+def tilts(normals: np.ndarray) -> np.ndarray:
     """(n,) degrees between unit normals and upright."""
     return np.degrees(np.arccos(np.clip(normals[:, 2], -1, 1)))
 
 
-def tool_axes(normals, machine):
+def tool_axes(normals: np.ndarray, machine: Machine) -> np.ndarray:
     """(n, 3) unit vectors from the tip into the tool: upright, or along normals as far as the machine tilts."""
     upright = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
     if not machine.turns:
@@ -29,7 +30,7 @@ def tool_axes(normals, machine):
     return np.cos(angles) * upright + np.sin(angles) * level
 
 
-def collisions(points, axes, machine, step, slack):
+def collisions(points: np.ndarray, axes: np.ndarray, machine: Machine, step: float, slack: float) -> np.ndarray:
     """Where a tool meets what it has printed before: inside the cone that widens from its tip upwards.
 
     Parameters
@@ -73,7 +74,7 @@ def collisions(points, axes, machine, step, slack):
     return met
 
 
-def _thin_points(points, size):
+def _thin_points(points: np.ndarray, size: float) -> np.ndarray:
     """The first of the points in each cube of a size."""
     cubes = np.floor((points - points.min(axis=0)) / size).astype(int) if len(points) else np.zeros((0, 3), int)
     return np.unique(cubes, axis=0, return_index=True)[1]

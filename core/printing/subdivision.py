@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Triangles cut into smaller ones on the same surface."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..geometry import TriangleMesh
@@ -9,7 +11,7 @@ from ..geometry import TriangleMesh
 _ROUNDS = 12
 
 
-def subdivide(mesh, size, most):
+def subdivide(mesh: TriangleMesh, size: float, most: int) -> tuple[TriangleMesh, np.ndarray]:
     """The same surface with edges no longer than a size, as far as a number of triangles allows.
 
     Parameters
@@ -35,7 +37,14 @@ def subdivide(mesh, size, most):
     return mesh, parents
 
 
-def subdivide_by(mesh, found, values, size, tolerance, most):
+def subdivide_by(
+    mesh: TriangleMesh,
+    found: np.ndarray,
+    values: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    size: float,
+    tolerance: float,
+    most: int,
+) -> tuple[TriangleMesh, np.ndarray, np.ndarray]:
     """The same surface, cut where a function is not linear along edges.
 
     Parameters
@@ -72,7 +81,7 @@ def subdivide_by(mesh, found, values, size, tolerance, most):
     return mesh, parents, found
 
 
-def _halve_long_edges(mesh, is_long):
+def _halve_long_edges(mesh: TriangleMesh, is_long: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(t, 3) triangles with a vertex in the middle of each long edge, and (t,) the triangle that each is a part of."""
     middle = np.where(is_long, mesh.vertex_count + np.cumsum(is_long) - 1, -1)
     corners, at = mesh.triangles, middle[mesh.triangle_edges]

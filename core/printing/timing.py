@@ -3,13 +3,23 @@
 
 import numpy as np
 
+from .machine import Machine
+
 # Rounds in which turns that begin or end too suddenly are slowed down.
 _ROUNDS = 60
 # Turns of the way by more than this, in degrees, are taken from a stop, where the time is estimated.
 _CORNER = 30.0
 
 
-def move_seconds(ways, volumes, places, angles, first, is_low, machine):
+def move_seconds(
+    ways: np.ndarray,
+    volumes: np.ndarray,
+    places: np.ndarray,
+    angles: np.ndarray,
+    first: np.ndarray,
+    is_low: np.ndarray,
+    machine: Machine,
+) -> tuple[np.ndarray, np.ndarray]:
     """(m,) seconds of each move, and which are slower than the feed."""
     feed = np.full(len(ways), machine.feed)
     if machine.first_feed:
@@ -33,7 +43,7 @@ def move_seconds(ways, volumes, places, angles, first, is_low, machine):
     return seconds, seconds > 1.001 * wanted
 
 
-def turn_accelerations(turns, seconds, first):
+def turn_accelerations(turns: np.ndarray, seconds: np.ndarray, first: np.ndarray) -> np.ndarray:
     """(m - 1,) degrees a second squared of the table from each move to the next one of a bead."""
     moves = ~first & (seconds > 0)
     speeds = turns / np.where(moves, seconds, 1)[:, None]
@@ -42,7 +52,9 @@ def turn_accelerations(turns, seconds, first):
     return np.where(both, np.abs(np.diff(speeds, axis=0)).max(axis=1, initial=0) / middle, 0)
 
 
-def feed_words(ways, places, angles, seconds, machine):
+def feed_words(
+    ways: np.ndarray, places: np.ndarray, angles: np.ndarray, seconds: np.ndarray, machine: Machine
+) -> np.ndarray:
     """(m,) F words: of the tip's way, of the linear axes' where the dialect counts these, or moves a minute."""
     minutes = np.where(seconds > 0, seconds, 1) / 60
     if not machine.turns or machine.moves == "tcp":
@@ -55,7 +67,9 @@ def feed_words(ways, places, angles, seconds, machine):
     return np.where(linear > 1e-4, linear, turned) / minutes
 
 
-def overhead_seconds(places, ways, seconds, first, machine):
+def overhead_seconds(
+    places: np.ndarray, ways: np.ndarray, seconds: np.ndarray, first: np.ndarray, machine: Machine
+) -> float:
     """Seconds for travels, and for speeding up and slowing down: at the ends of beads and in corners."""
     speeds = np.where(first, 0, ways / np.where(seconds > 0, seconds, 1))
     steps = np.diff(places, axis=0, prepend=places[:1])

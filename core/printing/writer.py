@@ -4,6 +4,7 @@
 import numpy as np
 
 from .kinematics import to_part
+from .machine import Machine
 
 # Beads that are wider or higher than the last comment says by less, as a share, get no comment of their own; and
 # travels pass over what is higher than their ends by less, as a share of the bead's height.
@@ -15,7 +16,7 @@ _TURN = 5.0
 class ProgramWriter:
     """Lines of moves, and where the machine is."""
 
-    def __init__(self, machine):
+    def __init__(self, machine: Machine) -> None:
         self._machine, self._letters = machine, machine.axes.upper() if machine.turns else ""
         self._is_timed = machine.turns and machine.moves == "inverse"
         self._is_tcp = machine.turns and machine.moves == "tcp"
@@ -24,7 +25,9 @@ class ProgramWriter:
         self._drawn, self._total, self._written = False, 0.0, 0.0
         self._last_z, self._kind, self._size = "", "", np.full(2, np.inf)
 
-    def travel(self, place, angles, top, is_same_layer, reach, clearance):
+    def travel(
+        self, place: np.ndarray, angles: np.ndarray, top: float, is_same_layer: bool, reach: float, clearance: float
+    ) -> list[str]:
         """To the begin of a bead: beside the last one, above it and what reaches over it by a clearance, or above all
         that is printed where this is infinite."""
         machine = self._machine
@@ -51,13 +54,21 @@ class ProgramWriter:
             rows += self._rapid(self._place + up, self._angles)
         return [*rows, *self._rapid(place + up, angles), *self._rapid(place, angles)]
 
-    def start(self, kind):
+    def start(self, kind: str) -> list[str]:
         """What the bead is; filament that was drawn back comes again."""
         rows = [] if kind == self._kind else [f";TYPE:{kind}"]
         self._kind = kind
         return [*rows, *self._push()]
 
-    def bead(self, places, angles, points, filament, feeds, sizes):
+    def bead(
+        self,
+        places: np.ndarray,
+        angles: np.ndarray,
+        points: np.ndarray,
+        filament: np.ndarray,
+        feeds: np.ndarray,
+        sizes: np.ndarray,
+    ) -> list[str]:
         """Moves along a bead, and comments where its width and height change."""
         rows, shown = [], points if self._is_tcp else places
         for place, turned, amount, feed, size in zip(
@@ -72,28 +83,28 @@ class ProgramWriter:
             self._place, self._angles = places[-1], angles[-1]
         return rows
 
-    def finish(self, top):
+    def finish(self, top: float) -> list[str]:
         """Away from the part, upright."""
         rows = self._draw_back()
         high = max(top, self._place[2]) + self._machine.lift
         rows += self._rapid(np.append(self._place[:2], high), self._angles)
         if self._machine.turns:
-            rows += self._rapid(np.append(self._place[:2], high), [0.0, self._angles[1]])
+            rows += self._rapid(np.append(self._place[:2], high), np.array([0.0, self._angles[1]]))
         return [*rows, *(["G49"] if self._is_tcp else [])]
 
-    def _draw_back(self):
+    def _draw_back(self) -> list[str]:
         if not self._machine.retraction or self._drawn:
             return []
         self._drawn = True
         return [f"{self._plain}G1 {self._extruded(-self._machine.retraction)} F{self._machine.retraction_feed:g}"]
 
-    def _push(self):
+    def _push(self) -> list[str]:
         if not self._drawn:
             return []
         self._drawn = False
         return [f"{self._plain}G1 {self._extruded(self._machine.retraction)} F{self._machine.retraction_feed:g}"]
 
-    def _rapid(self, place, angles, only=""):
+    def _rapid(self, place: np.ndarray, angles: np.ndarray, only: str = "") -> list[str]:
         """Lines of a travel, in several parts where the tip's place on the part is written and the table turns."""
         angles = np.asarray(angles, float)
         parts = 1
@@ -109,7 +120,7 @@ class ProgramWriter:
         self._place, self._angles = np.asarray(place, float), angles
         return rows
 
-    def _words(self, place, angles, only=""):
+    def _words(self, place: list[float], angles: list[float], only: str = "") -> str:
         x, y, z = place
         height = f"Z{z:.4f}"
         words = [height] if only else [f"X{x:.4f} Y{y:.4f}", *([height] if height != self._last_z else [])]
@@ -118,7 +129,7 @@ class ProgramWriter:
             [*words, *(f"{letter}{angle:.4f}" for letter, angle in zip(self._letters, angles, strict=True))]
         )
 
-    def _extruded(self, amount):
+    def _extruded(self, amount: float) -> str:
         """The E word; what rounding leaves out comes with the next one."""
         self._total += amount
         now = round(self._total, 5)

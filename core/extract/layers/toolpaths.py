@@ -5,14 +5,15 @@ import numpy as np
 
 from ...errors import SettingError
 from ...fields.guidance.fronts import front_distance
+from ...geometry import TriangleMesh
 from ...interpolate import TURN, EdgePhases
-from ..lines.isolines import isolines
+from ..lines.isolines import Isolines, isolines
 
 # Of all paths: half a kilobyte and ten microseconds each.
 MOST_POINTS = 3_000_000
 
 
-def toolpaths(mesh, layers, values, step):
+def toolpaths(mesh: TriangleMesh, layers: np.ndarray, values: np.ndarray, step: float) -> tuple[Isolines, np.ndarray]:
     """Curves on layers where a function is a multiple of a step, ordered by layer.
 
     They are as far apart as the step where the function changes by one per unit length along the layer. Raises
@@ -44,7 +45,7 @@ def toolpaths(mesh, layers, values, step):
     return sorted_lines, numbers[order]
 
 
-def refuse_many_points(mesh, values, step):
+def refuse_many_points(mesh: TriangleMesh, values: np.ndarray, step: float) -> None:
     """Refuse a step of :func:`toolpaths` that is not positive, or makes too many points."""
     if not (np.isfinite(step) and step > 0):
         raise SettingError(f"the step between paths is {step:g}: give a positive number")
@@ -57,12 +58,12 @@ def refuse_many_points(mesh, values, step):
         )
 
 
-def rim_distances(mesh):
+def rim_distances(mesh: TriangleMesh) -> np.ndarray:
     """(p,) way on its layer from each vertex to the nearest end of it: at the boundary, or at a dislocation curve."""
     return front_distance(mesh, rim_vertices(mesh))
 
 
-def rim_vertices(mesh):
+def rim_vertices(mesh: TriangleMesh) -> np.ndarray:
     """(p,) bool, vertices at the ends of layers; of layers that close in themselves the lowest vertex along z."""
     sources = mesh.boundary_vertices.copy()
     piece = mesh.pieces
