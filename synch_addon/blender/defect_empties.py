@@ -128,9 +128,10 @@ def _corners(mesh, face):
         first, second, third = (mesh.vertices[number].co for number in numbers)
         along, normal = (second - first).normalized(), (second - first).cross(third - first).normalized()
         if along and normal:
-            frame = Matrix((along, normal.cross(along), normal)).transposed().to_4x4()
-            frame.translation = (first + second + third) / 3
-            return tuple(numbers), frame.inverted()
+            turn = Matrix((along, normal.cross(along), normal))
+            inverse = turn.to_4x4()
+            inverse.translation = -(turn @ ((first + second + third) / 3))
+            return tuple(numbers), inverse
     return (), Matrix.Identity(4)
 
 

@@ -91,7 +91,7 @@ def test_tetrahedra_far_from_the_origin_are_solved_in_their_own_frame_and_writte
     assert far["layers"] == near["layers"] and far["energy"] == pytest.approx(near["energy"], rel=1e-3, abs=1e-6)
     assert np.abs(made[1] - FAR - made[0]).max() < 1e-4
     paths = [np.loadtxt(tmp_path / name / "block.csv", delimiter=",", skiprows=1)[:, 2:5] for name in ("near", "far")]
-    assert len(paths[1]) == pytest.approx(len(paths[0]), rel=0.1)  # points on straight ways are left out
+    assert len(paths[1]) == pytest.approx(len(paths[0]), rel=0.2)  # points on straight ways are left out
     distances, _ = cKDTree(paths[0]).query(paths[1] - FAR)
     assert np.median(distances) < 1e-6
 
