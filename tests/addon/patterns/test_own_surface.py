@@ -23,7 +23,19 @@ from synch_fields.synch_addon.patterns.read_back import read_back
 
 from ..rebuilt_pattern import largest_jump
 from ..run_commands import undo_and_redo
-from ..scenes import add_group, add_object, added, attribute, grid, hexagon_sphere, make_active, snapshot, sphere, torus, tube
+from ..scenes import (
+    add_group,
+    add_object,
+    added,
+    attribute,
+    grid,
+    hexagon_sphere,
+    make_active,
+    snapshot,
+    sphere,
+    torus,
+    tube,
+)
 
 bmesh = importlib.import_module("bmesh")  # on the path once bpy is loaded, as isort cannot know
 pytestmark = pytest.mark.any_surface
