@@ -20,6 +20,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.solids.surface import read_surface
 
 from ...corpus.makers import boxes, fans, klein_bottle
+from ...core.meshes import cube
 from ..scenes import add_group, add_object, attribute, grid, make_active, places, snapshot, tube
 from ..solid_objects import block, layers_of, made
 
@@ -64,6 +65,18 @@ def test_meshes_that_meet_themselves_are_refused_with_the_faces_selected():
     make_active(first)
     error = refused(first, "faces 4, 5, 6 and 15 more meet other faces of .*: join the parts with a Boolean union")
     assert isinstance(error, MeshError) and 8 <= len(error.vertices) < len(first.data.vertices)
+
+
+def test_shallow_folds_are_read():
+    """A vertex of the top that lies over its neighbours, and a hair's breadth below them."""
+    mesh = cube(5)
+    places = mesh.vertices.copy()
+    high, size = places[:, 2].max(), np.ptp(places[:, 2])
+    top = np.flatnonzero(np.isclose(places[:, 2], high))
+    one = top[np.linalg.norm(places[top, :2] - places[top, :2].mean(axis=0), axis=1).argmin()]
+    places[one] += size * np.array([0.27, 0.05, -2e-5])
+    surface = read_surface(add_object(places, mesh.triangles))
+    assert surface.distance.volume == pytest.approx(size**3, rel=1e-4)
 
 
 def test_flat_meshes_are_refused():
