@@ -19,8 +19,8 @@ from synch_fields.core.settings.layers import (
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.solids.surface import read_surface
 
-from ...corpus.makers import boxes, fans, klein_bottle
 from ...core.meshes import cube
+from ...corpus.makers import boxes, fans, klein_bottle
 from ..scenes import add_group, add_object, attribute, grid, make_active, places, snapshot, tube
 from ..solid_objects import block, layers_of, made
 
@@ -67,16 +67,20 @@ def test_meshes_that_meet_themselves_are_refused_with_the_faces_selected():
     assert isinstance(error, MeshError) and 8 <= len(error.vertices) < len(first.data.vertices)
 
 
-def test_shallow_folds_are_read():
-    """A vertex of the top that lies over its neighbours, and a hair's breadth below them."""
+def test_a_part_that_hardly_reaches_through_itself_is_read():
+    """A plate with a dent that comes out on the other side, by a hair's breadth or farther."""
     mesh = cube(5)
-    places = mesh.vertices.copy()
-    high, size = places[:, 2].max(), np.ptp(places[:, 2])
-    top = np.flatnonzero(np.isclose(places[:, 2], high))
-    one = top[np.linalg.norm(places[top, :2] - places[top, :2].mean(axis=0), axis=1).argmin()]
-    places[one] += size * np.array([0.27, 0.05, -2e-5])
-    surface = read_surface(add_object(places, mesh.triangles))
-    assert surface.distance.volume == pytest.approx(size**3, rel=1e-4)
+    places = mesh.vertices * [1, 1, 0.1]
+    top = np.flatnonzero(np.isclose(places[:, 2], places[:, 2].max()))
+    dent = top[np.linalg.norm(places[top, :2] - places[top, :2].mean(axis=0), axis=1).argmin()]
+    lowest = places[:, 2].min()
+    for depth in (3e-5, 0.02):
+        places[dent, 2] = lowest - depth
+        obj = add_object(places, mesh.triangles)
+        if depth < 1e-4:
+            assert read_surface(obj).distance.volume > 0.05
+        else:
+            refused(obj, "meet other faces of the mesh")
 
 
 def test_flat_meshes_are_refused():
