@@ -52,7 +52,7 @@ class Machine:
     largest_flow : cubic millimetres a second, 0 for no limit
     acceleration : along the path, millimetres a second squared, for the time that a program takes
     turn_speed, turn_acceleration : of the table's axes at most, degrees a second (squared)
-    deviation : of the tip from its way between points, on five axes
+    deviation : of the tip from its way between points
     filament : diameter; 1.128379 counts extrusion in cubic millimetres
     flow : of extrusion, 1 for the volume of the bead
     tolerance : distance of points from straight moves at which they are left out, as a share of a bead's width

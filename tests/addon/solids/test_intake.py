@@ -87,6 +87,15 @@ def test_cracks_and_small_holes_are_closed(tmp_path):
     assert any("1 small holes are closed" in line for line in report["warnings"])
 
 
+def test_triangles_without_area_are_taken_out(tmp_path):
+    a, b, c = PLATE[0]
+    middle = (a + b) / 2
+    flat = np.concatenate([[(a, middle, c), (middle, b, c), (a, b, middle)], PLATE[1:]])
+    report = solved(tmp_path, flat, "--spacing", "1", "--size", "0.45")
+    assert report["volume"] == pytest.approx(200, rel=0.01)
+    assert any("1 triangles without area are taken out" in line for line in report["warnings"])
+
+
 @pytest.mark.parametrize(("up", "layers"), [("Z", 2), ("X", 10), ("-Y", 10)])
 def test_an_axis_of_a_file_is_turned_up(tmp_path, up, layers):
     report = solved(tmp_path, PLATE, f"--up={up}", "--spacing", "1", "--size", "0.45")

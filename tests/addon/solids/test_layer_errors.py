@@ -19,6 +19,7 @@ from synch_fields.core.settings.layers import (
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.solids.surface import read_surface
 
+from ...core.meshes import cube
 from ...corpus.makers import boxes, fans, klein_bottle
 from ..scenes import add_group, add_object, attribute, grid, make_active, places, snapshot, tube
 from ..solid_objects import block, layers_of, made
@@ -64,6 +65,22 @@ def test_meshes_that_meet_themselves_are_refused_with_the_faces_selected():
     make_active(first)
     error = refused(first, "faces 4, 5, 6 and 15 more meet other faces of .*: join the parts with a Boolean union")
     assert isinstance(error, MeshError) and 8 <= len(error.vertices) < len(first.data.vertices)
+
+
+def test_a_part_that_hardly_reaches_through_itself_is_read():
+    """A plate with a dent that comes out on the other side, by a hair's breadth or farther."""
+    mesh = cube(5)
+    places = mesh.vertices * [1, 1, 0.1]
+    top = np.flatnonzero(np.isclose(places[:, 2], places[:, 2].max()))
+    dent = top[np.linalg.norm(places[top, :2] - places[top, :2].mean(axis=0), axis=1).argmin()]
+    lowest = places[:, 2].min()
+    for depth in (3e-5, 0.02):
+        places[dent, 2] = lowest - depth
+        obj = add_object(places, mesh.triangles)
+        if depth < 1e-4:
+            assert read_surface(obj).distance.volume > 0.05
+        else:
+            refused(obj, "meet other faces of the mesh")
 
 
 def test_flat_meshes_are_refused():

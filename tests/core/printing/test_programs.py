@@ -240,6 +240,38 @@ def test_short_ways_to_the_next_bead_are_not_lifted():
     assert counts == [2, 1]
 
 
+def test_short_ways_pass_over_what_stands_between():
+    """A wall 1 mm high that is printed first, and lines on both sides of it."""
+    line = np.column_stack([np.linspace(0, 5, 6), np.zeros(6), np.full(6, 0.2)])
+    points = np.concatenate([line + [0, 0.5, 0.8], line, line[::-1] + [0, 1, 0]])
+    made = course(points, turned(np.zeros(18)), [np.arange(6), np.arange(6, 12), np.arange(12, 18)])
+    text = gcode(made, Machine(start="", hop=2)).text
+    rapid = [line.split() for line in text.splitlines() if line.startswith("G0")]
+    state, over = {"X": 0.0, "Y": 0.0, "Z": 0.0}, []
+    for words in rapid:
+        before = dict(state)
+        state |= {word[0]: float(word[1:]) for word in words if word[0] in state}
+        if min(before["Y"], state["Y"]) < 0.5 < max(before["Y"], state["Y"]):
+            over.append(min(before["Z"], state["Z"]))
+    assert len(over) == 1 and over[0] > 1
+
+
+def test_pieces_side_by_side_are_one_layer():
+    line = np.column_stack([np.linspace(0, 5, 6), np.zeros(6), np.full(6, 0.2)])
+    points = np.concatenate([line, line + [0, 9, 0], line + [0, 0, 0.2]])
+    made = course(points, turned(np.zeros(18)), [np.arange(k, k + 6) for k in (0, 6, 12)], np.arange(3))
+    rows = gcode(replace(made, levels=np.array([0, 0, 1])), Machine(start="")).text.splitlines()
+    assert [row for row in rows if row.startswith(";LAYER:")] == [";LAYER:0", ";LAYER:1"]
+    assert "; 3 beads on 2 layers" in rows
+
+
+def test_comments_follow_the_size_of_a_bead():
+    made = course(np.column_stack([np.linspace(0, 5, 11), np.zeros(11), np.full(11, 0.2)]), turned(np.zeros(11)))
+    text = gcode(replace(made, heights=np.linspace(0.1, 0.3, 11)), Machine(start="", tolerance=0)).text
+    heights = [float(row[8:]) for row in text.split(";TYPE:")[1].splitlines() if row.startswith(";HEIGHT:")]
+    np.testing.assert_allclose(heights, np.arange(0.11, 0.3, 0.02), atol=1e-3)
+
+
 def test_a_file_may_build_on_a_machine_that_is_shipped(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('machine = "marlin"\nnozzle_temperature = 230\n')
