@@ -27,7 +27,7 @@ from synch_fields.core.settings.keywords import SurfaceKeywords
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.command.main import _parser
 from synch_fields.synch_addon.command.settings import settings_of
-from synch_fields.synch_addon.panels.sidebar import draw_pattern
+from synch_fields.synch_addon.panels.sidebar import draw_settings
 from synch_fields.synch_addon.settings.fields import stored_settings
 
 synch_fields.register()
@@ -45,7 +45,7 @@ class Layout:
         self.drawn.append(name)
 
 
-draw_pattern(Layout(), obj.synch)
+draw_settings(Layout(), obj.synch, SurfaceSettings, "pattern")
 assert "glow" in Layout.drawn, Layout.drawn
 shown = obj.synch.bl_rna.properties["glow"]
 assert (shown.name, shown.description, shown.hard_max) == ("Glow", "How strongly the lines glow", 8), shown

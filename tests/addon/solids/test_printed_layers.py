@@ -35,7 +35,7 @@ def test_a_program_leads_to_the_paths_of_its_machine(layered, tmp_path):
     sections = rows[:, 8] * rows[:, 9]
     volume = (steps * (sections[1:] + sections[:-1]) / 2).sum()
     assert extruded * np.pi * 1.75**2 / 4 == pytest.approx(100**3 * volume, rel=0.01)
-    assert report["covered"] > 0.97 and report["machine"]["scale"] == 100
+    assert report["covered"] > 0.95 and report["machine"]["scale"] == 100
     assert report["heights"]["high"] == pytest.approx(SPACING, rel=1e-3)
     assert report["tilts"]["high"] == pytest.approx(np.degrees(np.arccos(np.cos(0.3) * np.cos(0.2))), abs=0.1)
 
