@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modifiers of an object: which of them change faces, which are ours, and evaluating without them."""
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from itertools import takewhile
 
 # Names of our groups of geometry nodes, by what they show.
@@ -75,11 +75,9 @@ def _uses(modifier, names):
 @contextmanager
 def hidden(modifiers):
     """Evaluate without modifiers for a while."""
-    shown = [modifier for modifier in modifiers if modifier.show_viewport]
-    for modifier in shown:
-        modifier.show_viewport = False
-    try:
+    with ExitStack() as restored:
+        for modifier in modifiers:
+            if modifier.show_viewport:
+                restored.callback(setattr, modifier, "show_viewport", True)
+                modifier.show_viewport = False
         yield
-    finally:
-        for modifier in shown:
-            modifier.show_viewport = True
