@@ -38,7 +38,7 @@ EXPECTED = {
     "docs/bake.png": {"ink": 0.1, "ivory": 0.1, "blue": 0.1},
     "docs/bunny.png": STRIPED,
     "docs/click_2.png": {"blue": 0.02},
-    "docs/click_3.png": {"blue": 0.02, "ink": 0.01, "ivory": 0.01},
+    "docs/click_3.png": {"blue": 0.02, "ink": 0.01, "ivory": 0.007},
     "docs/click_4.png": {"ink": 0.03, "ivory": 0.02},
     "docs/constraints.png": STRIPED | {"rose": 0.004},
     "docs/contact_sheet.png": {"ink": 0.02, "ivory": 0.02},

@@ -166,7 +166,7 @@ SPIKED = [
     ("quads", {}),
     ("quads", {"spacing": 0.5}),
     ("quad_mesh", {"faces": 500}),
-    ("layers", {"spacing": 0.5}),
+    pytest.param("layers", {"spacing": 0.5}, marks=pytest.mark.slow),
 ]
 
 

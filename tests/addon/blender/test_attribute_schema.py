@@ -96,6 +96,7 @@ def test_all_that_is_written_is_in_the_table(name):
     assert expected <= found.keys()
 
 
+@pytest.mark.slow
 def test_each_attribute_of_the_table_is_written_by_something():
     found = set()
     for make, _ in WRITERS.values():

@@ -38,6 +38,7 @@ def with_calmer(problem, turns):
     return twin
 
 
+@pytest.mark.slow
 def test_calmed_candidates_lower_the_energy_in_the_mean():
     """The same relaxations and bounds: only the rounding knows of the calmed problems."""
     problem = quads(bumpy_torus(36), 25)
