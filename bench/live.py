@@ -13,9 +13,9 @@ tells; "showing", seconds of the default solve that shows fields over those of o
 
 Live: stripes, forty along the longest side, whose spacing grows by 1 % a step: milliseconds of a step and steps a
 second; "change", of cos theta in a step, the mean and the largest mean; "defects", how many more or fewer there are
-after a step at most, and in all; "energy", after the last step over that of a full solve from there; then the pattern
-that fades in after a rest: "anew s", its seconds, and "anew", its energy likewise; "near s" and "near", those of the
-whole solve that starts from it, which is shown at last.
+after a step at most, and in all; "energy", after the last step over that of a full solve from there; then, after a
+rest, the pattern that fades in: its seconds, "anew s", and its energy over that of a full solve, "anew"; and the whole
+solve that starts from it and takes its place: "near s" and "near".
 """
 
 import argparse
@@ -40,7 +40,8 @@ from synch_fields.core.solution import FIRST
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.warm_start import Follower
 from synch_fields.core.tasks.live import ANEW, NEAR, LiveRequest
-from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
+from synch_fields.core.tasks.surface_source import SurfaceSource
+from synch_fields.core.tasks.surfaces import SurfaceRequest
 
 NAMES = ("n = 1", "n = 4", "stripes 40")
 COLUMNS = (

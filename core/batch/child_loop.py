@@ -158,7 +158,7 @@ class ProcessPool:
         self._tasks.put(task)
 
     def answer(self, seconds: float) -> tuple[Task, Answer] | None:
-        """A finished task and its answer; None if there is none within some seconds."""
+        """The next finished task and its answer, or None after so many seconds without one."""
         try:
             return self._answers.get(timeout=seconds)
         except queue.Empty:

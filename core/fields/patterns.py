@@ -261,7 +261,6 @@ def untangle(pattern: Pattern, options: Options | None = None, callback: Callbac
     The changes that it reached, without what dislocations add to them around triangles, are nearly those of phases.
     """
     growth, problem, options = pattern.growth, pattern.problem, options or Options()
-    assert problem is not None
     reached = growth.reaching(pattern.edge_phases.changes)
     calm = reached.changes + reached.curl_removal(problem.fixed, problem.merged)
     near = problem.turned_by(growth.connection_turns(calm - growth.changes))

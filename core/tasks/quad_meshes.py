@@ -59,7 +59,6 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     It has first fields, the number of faces estimated from the area, and no smoothing.
     """
     quick = replace(request.smoothed(0), options=replace(request.options, method=FIRST), start=None)
-
     try:
         directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
         if quick.settings.faces:
@@ -103,7 +102,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         try:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
-            if count < FEW:
+            if count < FEW:  # refuses what is too large for a mesh before more work goes into it
                 request.trace(drafts[-1].result.pattern)
             if drafts[-1].misses(wanted) <= NEAR:
                 found.append(_finish(_close(_settle(drafts.pop()), part), part))

@@ -16,7 +16,7 @@ from ...core.fields.guidance.guides import (
 )
 from ...core.settings.guidance import AXES, BOUNDARY
 from ...core.settings.surface import SYMMETRY_ORDERS
-from ...core.tasks.surfaces import PendingGuide
+from ...core.tasks.surface_source import PendingGuide
 from ..blender import attributes
 from ..blender import groups as blender_groups
 from ..blender.field_files import read_guide

@@ -3,7 +3,8 @@
 
 from dataclasses import replace
 
-from ...core.tasks.surfaces import SurfaceRequest, SurfaceSource
+from ...core.tasks.surface_source import SurfaceSource
+from ...core.tasks.surfaces import SurfaceRequest
 from ..blender import attributes, meshes
 from ..blender.attributes import read_factors, read_turns
 from ..blender.objects import SURFACE_MARK

@@ -26,8 +26,8 @@ class DefectCurve:
     ----------
     points : (p, 3) centres of faces and tetrahedra in turn; an open curve begins and ends on the boundary, a closed one
         does not repeat its first point
-    faces : those that it punctures
-    tets : those that it passes, the first one after faces[0]
+    faces : the faces that it crosses, in order
+    tets : the tetrahedra that it passes through, the first one after faces[0]
     index : positive
     """
 

@@ -19,7 +19,8 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement.spacing import faces_of_factor, smallest_sides, spacing_factor
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.tasks import quad_meshes, surfaces
-from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
+from synch_fields.core.tasks.surface_source import SurfaceSource
+from synch_fields.core.tasks.surfaces import SurfaceRequest
 
 from ..flat_crosses import plane_crosses
 from ..meshes import bumpy_torus, icosphere, square, torus

@@ -13,7 +13,8 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement.spacing import QUADS
 from synch_fields.core.settings.constraints import Constraint
 from synch_fields.core.settings.surface import SurfaceSettings
-from synch_fields.core.tasks.surfaces import SurfaceRequest, SurfaceSource
+from synch_fields.core.tasks.surface_source import SurfaceSource
+from synch_fields.core.tasks.surfaces import SurfaceRequest
 
 from ..meshes import bumpy_torus, icosphere, square
 

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is read from a scene for a request on a surface: a mesh, and what settings name on it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import SettingError
+from ..fields import Guide, Row
+from ..geometry.mesh_input import MeshInput
+
+
+@dataclass(frozen=True)
+class PendingGuide:
+    """A guide whose data has been read but that is not computed yet.
+
+    Attributes
+    ----------
+    label : its name in errors
+    compute : can be pickled
+    share : factor of its weights
+    """
+
+    label: str
+    compute: Callable[[], Guide]
+    share: float
+
+    @property
+    def weighted(self) -> tuple[Guide, float]:
+        """The guide and its share; SettingError, with the guide's name, if it has no directions."""
+        try:
+            return self.compute(), self.share
+        except SettingError as error:
+            raise SettingError(f"{self.label}: {error}") from None
+
+
+@dataclass(frozen=True)
+class SurfaceSource:
+    """A mesh, and what settings name on it, read from a scene.
+
+    Attributes
+    ----------
+    given : the mesh
+    rows : of the constraint list
+    guides : for the directions
+    directions : (n, 3) vectors that are used as they are, or None
+    turns : radians added to the angle, one or (n,)
+    factors : on the spacing, one or (n,)
+    sharp : edges of the uncut mesh that are marked sharp
+    is_fitted : whether the mesh was made as fine as the spacing needs
+    """
+
+    given: MeshInput
+    rows: tuple[Row, ...] = ()
+    guides: tuple[PendingGuide, ...] = ()
+    directions: np.ndarray | None = None
+    turns: float | np.ndarray = 0.0
+    factors: float | np.ndarray = 1.0
+    sharp: ArrayLike = ()
+    is_fitted: bool = False
