@@ -45,32 +45,33 @@ def collisions(points: np.ndarray, axes: np.ndarray, machine: Machine, step: flo
     (n,) the first place that it meets, -1 for none
     """
     met = np.full(len(points), -1)
-    # Upright, it meets only what is higher by the slack.
-    lowest = 0.0 if machine.turns else slack
+    length, widens = machine.nozzle_length, np.tan(np.radians(machine.nozzle_angle))
     # The cone looks upwards from everywhere: below the highest place so far it may meet something.
-    highest = np.maximum.accumulate(points[:, 2])
+    rises = np.maximum.accumulate(points[:, 2]) - points[:, 2]
     upwards = machine.nozzle_angle + (machine.largest_tilt if machine.turns else 0) < 90
-    waiting = np.flatnonzero(points[:, 2] < highest - lowest) if upwards else np.arange(len(points))
-    near, length = min(_NEAR * step, machine.nozzle_length), machine.nozzle_length
+    reaches = np.full(len(points), length)
+    if not machine.turns:
+        # Upright, it meets only what is higher by the slack, and nothing beyond the cone's rim at the highest place.
+        reaches = np.minimum(np.hypot(rises, machine.nozzle_radius + rises * widens), length)
+    waiting = np.flatnonzero(rises > (0 if machine.turns else slack)) if upwards else np.arange(len(points))
+    near = min(_NEAR * step, length)
     everything = np.arange(len(points))
     for obstacles, reach in ((everything, near), (_thin_points(points, _COARSE * step), length)):
         tree = cKDTree(points[obstacles])
         for part in np.array_split(waiting, max(1, len(waiting) // _BATCH)):
-            which, other = pairs_within(tree, points[part], reach)
+            which, other = pairs_within(tree, points[part], np.minimum(reaches[part], reach))
             other = obstacles[other]
             earlier = other < part[which]
             which, other = which[earlier], other[earlier]
             offsets = points[other] - points[part[which]]
             above = np.einsum("kx,kx->k", offsets, axes[part[which]])
             aside = np.linalg.norm(offsets - above[:, None] * axes[part[which]], axis=1)
-            wide = machine.nozzle_radius + above * np.tan(np.radians(machine.nozzle_angle))
+            wide = machine.nozzle_radius + above * widens
             hit = (above > slack) & (above <= length) & (aside < wide)
             # Of several assignments the last one stays: the one that was printed first.
             order = np.argsort(-other[hit], kind="stable")
             met[part[which[hit]][order]] = other[hit][order]
-        waiting = waiting[met[waiting] < 0]
-        if reach >= length:
-            break
+        waiting = waiting[(met[waiting] < 0) & (reaches[waiting] > reach)]
     return met
 
 
