@@ -16,6 +16,7 @@ AXES = ("xyz", "ac", "bc")
 MOVES = ("inverse", "feed", "tcp")
 EXTRUSIONS = ("relative", "absolute")
 ORIGINS = ("corner", "centre")
+SEAMS = ("nearest", "back")
 SUFFIX = ".toml"
 _SHIPPED = Path(__file__).parent / "machines"
 # Names of the machines that are shipped, and the one of programs that name none.
@@ -57,6 +58,8 @@ class Machine:
     flow : of extrusion, 1 for the volume of the bead
     tolerance : distance of points from straight moves at which they are left out, as a share of a bead's width
     retraction, lift : length of filament that is drawn back between beads, and how far the tool leaves the bead
+    seam : where beads that close begin: at the place that is "nearest", or at their "back", the largest Y, where they
+        make one seam
     hop : shorter ways to another bead of the same layer need neither
     skirt, skirt_distance : lines around the first layer, and their distance from it; 0 makes them a brim
     nozzle_temperature, bed_temperature : degrees, 0 for no heating
@@ -97,6 +100,7 @@ class Machine:
     retraction: float = 1.0
     lift: float = 0.5
     hop: float = 0.0
+    seam: str = "nearest"
     skirt: int = 0
     skirt_distance: float = 5.0
     nozzle_temperature: float = 0.0
@@ -112,6 +116,7 @@ class Machine:
         check_choice(self, "moves", MOVES)
         check_choice(self, "extrusion", EXTRUSIONS)
         check_choice(self, "bed_origin", ORIGINS)
+        check_choice(self, "seam", SEAMS)
         positive = ("scale", "nozzle_radius", "nozzle_length", "feed", "travel_feed", "retraction_feed", "filament")
         check_positive(self, *positive, "flow", "acceleration", "turn_speed", "turn_acceleration", "deviation")
         for name in ("bed_x", "bed_y", "pivot_z"):

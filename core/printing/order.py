@@ -59,7 +59,9 @@ def count_levels(order: np.ndarray, carried: np.ndarray, carrying: np.ndarray) -
     return levels
 
 
-def order_lines(lines: Isolines, layers: np.ndarray, order: np.ndarray) -> tuple[Isolines, np.ndarray, np.ndarray]:
+def order_lines(
+    lines: Isolines, layers: np.ndarray, order: np.ndarray, back: np.ndarray | None = None
+) -> tuple[Isolines, np.ndarray, np.ndarray]:
     """Lines in the order of their layers, each time the nearest next; closed ones begin, open ones end where it suits.
 
     Parameters
@@ -67,6 +69,7 @@ def order_lines(lines: Isolines, layers: np.ndarray, order: np.ndarray) -> tuple
     lines : Isolines
     layers : (l,) the layer of each line
     order : (c,) layers
+    back : (3,) direction in which closed lines begin as far as they go; None for where it suits
 
     Returns
     -------
@@ -80,8 +83,11 @@ def order_lines(lines: Isolines, layers: np.ndarray, order: np.ndarray) -> tuple
     for layer in order:
         left = np.flatnonzero(layers == layer)
         rows = [np.arange(starts[line], starts[line] + lines.sizes[line]) for line in left]
-        # Places where each may begin: all of a closed line, both ends of others.
-        may = [row if closed[line] else row[[0, -1]] for line, row in zip(left, rows, strict=True)]
+        # Places where each may begin: all of a closed line or its back, both ends of others.
+        may = [
+            row[[0, -1]] if not closed[line] else row if back is None else row[[(places[row] @ back).argmax()]]
+            for line, row in zip(left, rows, strict=True)
+        ]
         of = ragged_arange(np.array([len(one) for one in may], int))[0]
         doors = np.concatenate([*may, np.zeros(0, int)]).astype(int)
         free = np.ones(len(doors), bool)

@@ -35,6 +35,8 @@ _BATCH = 8192
 _NO_HEIGHT = 0.02
 # Share of a bead that lies on another layer from which on that has to be there before.
 _CARRIED = 0.02
+# Seams at the back lie as far in this direction as can be: on a side across Y at its left end.
+_BACK = np.array([-0.1, 1.0, 0.0])
 
 
 @dataclass(frozen=True)
@@ -186,7 +188,8 @@ def print_plan(
     found, over = (look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1))
     carried, carrying = _carrying_layers(lines, beads.layers, found, surfaces.count)
     order = layer_order(surfaces.count, carried, carrying)
-    made, chosen, points = order_lines(lines, beads.layers, order)
+    back = _BACK @ matrix[:3, :3] if machine.seam == "back" else None
+    made, chosen, points = order_lines(lines, beads.layers, order, back)
     layers, found, over = beads.layers[chosen], found.at(points), over.at(points)
     places = _place_bead(matrix, made.points)
     world = _place_bead(matrix, solid.vertices)

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is said of a print is true where the answer is known: heights, order, air below, a staircase's collisions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -90,6 +92,14 @@ def test_arranged_lines_are_the_same_lines():
         here = made.points[made.starts[last] if made.closed[last] else start - 1]
         ways = np.linalg.norm(made.points[start : start + size] - here, axis=1)
         assert ways[0] == pytest.approx(ways.min() if made.closed[last + 1] else min(ways[0], ways[-1]))
+
+
+def test_seams_at_the_back_lie_upon_each_other():
+    plan = planned(planes((1, 0.8, 0.7)), machine=replace(UPRIGHT, seam="back"))
+    lines = plan.lines
+    begins = plan.places[lines.starts][lines.closed & (plan.kinds == 0)]
+    assert len(begins) == 3
+    np.testing.assert_allclose(begins[:, :2], [[0.1, 0.7]] * 3, atol=0.03)
 
 
 def staircase(step=0.1, rise=0.5, run=1.0, stairs=3):
