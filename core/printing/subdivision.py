@@ -61,24 +61,30 @@ def subdivide_by(
     fine, parents : as :func:`subdivide`
     found : (n,) values at its vertices
     """
-    parents, owners = np.arange(mesh.triangle_count), np.arange(mesh.vertex_count)
-    tested = 0
+    vertices, owners = mesh.vertices, np.arange(mesh.vertex_count)
+    done, tested = [(np.empty((0, 3), int), np.empty(0, int))], 0
+    triangles, parents = mesh.triangles, np.arange(mesh.triangle_count)
     for _ in range(_ROUNDS):
-        # Others have been looked at before.
-        bent = (mesh.edge_lengths > size) & (mesh.edges.max(axis=1) >= tested)
-        tested = mesh.vertex_count
-        i, j = mesh.edges[bent].T
-        there = values((mesh.vertices[i] + mesh.vertices[j]) / 2, owners[i])
+        # What has no new vertex has been looked at before, and so have its edges.
+        new = (triangles >= tested).any(axis=1)
+        done.append((triangles[~new], parents[~new]))
+        part, parents = TriangleMesh(vertices, triangles[new]), parents[new]
+        triangles = part.triangles
+        bent = (part.edge_lengths > size) & (part.edges.max(axis=1, initial=-1) >= tested)
+        tested = len(vertices)
+        i, j = part.edges[bent].T
+        there = values((vertices[i] + vertices[j]) / 2, owners[i])
         # Where the function has a kink, the middle of the edge shows half of it at least.
         far = np.abs(there - (found[i] + found[j]) / 2) > tolerance / 2
-        if not far.any() or mesh.triangle_count + 2 * np.count_nonzero(far) > most:
+        count = sum(len(some) for some, _ in done) + len(triangles)
+        if not far.any() or count + 2 * np.count_nonzero(far) > most:
             break
         bent[bent] = far
-        middles, of_middles = (mesh.vertices[i[far]] + mesh.vertices[j[far]]) / 2, owners[i[far]]
-        triangles, of = _halve_long_edges(mesh, bent)
-        found, owners = np.append(found, there[far]), np.append(owners, of_middles)
-        mesh, parents = TriangleMesh(np.vstack([mesh.vertices, middles]), triangles), parents[of]
-    return mesh, parents, found
+        triangles, of = _halve_long_edges(part, bent)
+        found, owners = np.append(found, there[far]), np.append(owners, owners[i[far]])
+        vertices, parents = np.vstack([vertices, (vertices[i[far]] + vertices[j[far]]) / 2]), parents[of]
+    triangles, parents = map(np.concatenate, zip(*done, (triangles, parents), strict=True))
+    return TriangleMesh(vertices, triangles), parents, found
 
 
 def _halve_long_edges(mesh: TriangleMesh, is_long: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
