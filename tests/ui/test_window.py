@@ -283,6 +283,7 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     panel.scroll_to("Synch Fields", up=True)
     for text in figures(panel, found):
         assert panel.shows(text), text
+    panel.scroll_to("Synch Fields", up=True)
     panel.click("Stripes")  # what needs a solve comes back with one
     panel.wait_for("Variation")
 
