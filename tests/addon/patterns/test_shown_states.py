@@ -141,8 +141,8 @@ def test_numbers_follow_favourites_and_what_comes_back(kept):
     else:
         memory.forget(obj)
         favourites.show(obj, "mine")
-    # But for corners half way between two numbers: a favourite is kept in single precision. These also decide the signs,
-    # which way stripes run, where not all neighbours can agree.
+    # But for corners half way between two numbers: a favourite is kept in single precision. They also decide which way
+    # stripes run, the sign, where not all neighbours can agree.
     assert (np.abs(np.abs(attribute(obj, "synch_number")) - numbers) > 1e-4).mean() < 5e-3
 
 
