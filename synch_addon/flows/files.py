@@ -15,7 +15,8 @@ from ..blender.objects import no_object
 from . import memory
 
 TABLE, SCENE = ".csv", ".abc"
-SUFFIXES = (TABLE, *WRITERS, SCENE)
+# Some Blenders, such as Debian's, are built without Alembic.
+SUFFIXES = (TABLE, *WRITERS, *([SCENE] if bpy.app.build_options.alembic else []))
 
 
 def filament_export(obj: bpy.types.Object, path: str | Path) -> Json:
@@ -46,7 +47,7 @@ def filament_export(obj: bpy.types.Object, path: str | Path) -> Json:
         tubes = shown.tubes
         counted["tubes"] = tubes.pieces
         if suffix == TABLE:
-            raise SettingError(f"{path}: a table has filaments: write tubes as {', '.join(WRITERS)} or {SCENE}")
+            raise SettingError(f"{path}: a table has filaments: write tubes as {', '.join(SUFFIXES[1:])}")
         shape = tube_shape(tubes)
     else:
         lines, winding = memory.shown_filaments.get(obj)

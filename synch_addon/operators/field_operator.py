@@ -271,13 +271,13 @@ class FieldOperator(ObjectOperator):
         """From the window: the active object first, and then the other selected ones, each with its own settings."""
         others = others_selected(context)
         started = super().invoke(context, event)
-        FieldOperator._click = self._click  # that of the others
+        before, FieldOperator._click = FieldOperator._click, self._click  # that of the others
         try:
             for obj in others if started != {"CANCELLED"} else ():
                 with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
                     self._begin_another(obj)
         finally:
-            FieldOperator._click = None
+            FieldOperator._click = before
         return started
 
     def _begin_another(self, obj):

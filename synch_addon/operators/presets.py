@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import api
 from ..blender.phases import pattern_kind
+from ..blender.translations import OURS
 from ..jobs.report import count_text
 from ..looks import assets, presets
 from ..panels.presets import PRESET
@@ -24,6 +25,7 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
     solve: BoolProperty(
         name="Solve",
         description="Solve the pattern that the preset is made for, also where the object has one that can show it",
+        translation_context=OURS,
     )
 
     solved_for: StringProperty(name="Solved for", options={"HIDDEN", "SKIP_SAVE"})

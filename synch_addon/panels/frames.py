@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ..blender.modifiers import shows_frames
 from ..blender.registration import register_all
+from ..blender.translations import OURS
 from ..frames.job import HOLD, Span
 from .sidebar import SettingsPanel, property_column
 
@@ -32,6 +33,7 @@ class AnimationProperties:
         default=HOLD,
         min=0.0,
         soft_max=2.0,
+        translation_context=OURS,
     )
 
 

@@ -27,7 +27,9 @@ def draw_strokes(column):
     button.name = "builtin.select_box" if drawing else TOOL
     if drawing:
         strokes = context.scene.synch_strokes
-        column.row().prop(strokes, "wish", expand=True)
+        wishes = column.row()
+        wishes.use_property_split = False  # beside a label they would be cut off
+        wishes.prop(strokes, "wish", expand=True)
         line = column.row(heading="Soft")
         line.prop(strokes, "soft", text="")
         strength = line.row()

@@ -11,7 +11,7 @@ from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
 from ..blender.meshes import refusal
 from ..blender.registration import register_all
-from ..blender.translations import translate
+from ..blender.translations import OURS, translate
 from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
 from ..solids.links import solid_of
@@ -35,6 +35,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
     """Evenly spaced layers in the solid that a closed mesh encloses"""
 
     bl_label = "Layers"
+    bl_translation_context = OURS
     bl_parent_id = "SYNCH_PT_make"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 3

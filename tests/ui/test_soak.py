@@ -121,6 +121,10 @@ def hide():
     if active():
         active().hide_set(not active().hide_get())
 
+def unhide():
+    for obj in bpy.context.view_layer.objects:
+        obj.hide_set(False)
+
 def new_file():
     bpy.ops.wm.read_homefile()
 
@@ -133,8 +137,8 @@ def save_and_open():
 WEIGHTS = {
     "add": 5, "choose": 6, "solve": 12, "settings": 6, "vary": 6, "favour": 3, "live": 3, "drag": 6, "cancel": 2,
     "delete": 3, "duplicate": 2, "frame": 4, "shade": 4, "preset": 3, "made": 5, "change": 3, "modify": 3, "edit": 3,
-    "language": 2, "panel": 2, "hide": 1, "new_file": 0.4, "save_and_open": 0.6, "undo": 8, "redo": 4, "orbit": 4,
-    "escape": 2, "scroll": 4, "wait": 6,
+    "language": 2, "panel": 2, "hide": 1, "unhide": 2, "new_file": 0.4, "save_and_open": 0.6, "undo": 8,
+    "redo": 4, "orbit": 4, "escape": 2, "scroll": 4, "wait": 6,
 }  # fmt: skip
 # Lines that Blender prints when something is wrong, and what it says of refusals that a user reads in the window.
 WRONG = re.compile(r"traceback|exception|\w*error\b|rna_ui|not found|failed|assert|segmentation|invalid", re.IGNORECASE)
@@ -207,6 +211,9 @@ def test_no_error_is_printed_while_a_user_works(window_of_its_own):
             by_hand(blender, done[-1])
         else:
             blender.run(f"{done[-1]}()")
+        if done[-1] == "new_file":  # whose sidebar is closed
+            blender.until("region('WINDOW')[2] > 1")
+            blender.open_panel()
         check(blender, done)
     blender.quit()  # it prints the rest then
     check(blender, done)

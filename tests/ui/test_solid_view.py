@@ -21,8 +21,10 @@ def is_plain(picture):
 def test_a_pattern_is_seen_in_solid_view_at_once_and_goes_by_a_click(panel, keep):
     panel.run("bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=2)")
     panel.run("bpy.ops.object.shade_smooth()")
+    panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.6")
     assert is_plain(panel.picture("WINDOW"))
     for button, name in (("Stripes", "solid_stripes"), ("Quads", "solid_quads")):
+        panel.run(f"active().synch_simple.kind = {button.lower()!r}; area().tag_redraw()")
         panel.click(button)
         panel.wait_for("Variation")
         panel.wait_to_see(is_inked, "WINDOW")
@@ -41,6 +43,7 @@ def test_the_ink_follows_a_shape_key_a_frame_and_the_object_that_goes(panel, kee
     panel.run("view().view_distance = 8")
     panel.run("bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=1)")
     panel.run("bpy.ops.object.shade_smooth()")
+    panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.3")
     panel.click("Stripes")
     panel.wait_for("Variation")
     panel.wait_to_see(is_inked, "WINDOW")

@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from . import test_window
 from .blender import PATIENCE
 from .test_window import stripes_are_seen
 
@@ -35,10 +36,9 @@ QUEUE = "part('jobs.queue').queue"
 RUNNING = f"{QUEUE}.running"
 
 
-def add_ball(blender, subdivisions, undo=True):
-    blender.run(f"bpy.ops.mesh.primitive_ico_sphere_add(subdivisions={subdivisions}, radius=2)")
-    if undo:
-        blender.run("bpy.ops.ed.undo_push(message='ball')")
+def add_ball(blender, subdivisions):
+    test_window.add_ball(blender, subdivisions)
+    blender.run("bpy.ops.ed.undo_push(message='ball')")
 
 
 def begin(panel, reached="fraction > 0"):

@@ -69,10 +69,16 @@ def test_texts_on_several_lines_and_of_one_context_are_read(tmp_path):
 
 
 def test_words_that_blender_means_otherwise_are_looked_up_apart():
-    """Blender's German for a boundary is of sounds."""
-    stored = bpy.data.objects.new("Any", None).synch
-    for group, name in ((stored, "boundary"), (stored.constraints.add(), "where")):
-        assert group.bl_rna.properties[name].translation_context == translations.OURS in translations._CONTEXTS
+    """Blender's German for a boundary is of sounds, for to hold is to stop; layers are its own ones."""
+    obj = bpy.data.objects.new("Any", None)
+    assert bpy.types.SYNCH_PT_layers.bl_translation_context == translations.OURS
+    for kind, name in (
+        (obj.synch.bl_rna, "boundary"),
+        (obj.synch.constraints.add().bl_rna, "where"),
+        (obj.synch_animation.bl_rna, "hold"),
+        (bpy.ops.synch.preset.get_rna_type(), "solve"),
+    ):
+        assert kind.properties[name].translation_context == translations.OURS in translations._CONTEXTS
 
 
 def test_texts_are_filled_in(monkeypatch):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that are no flow: each is refused in one line."""
 
+import struct
 import sys
 
 import bpy
@@ -49,6 +50,11 @@ def refuse_files(tmp_path):
     for name, grid in (("scalar", scalar), ("empty", nothing), ("nan", broken), ("far", far)):
         vdb.write(str(tmp_path / f"{name}.vdb"), grids=[grid])
     (tmp_path / "text.vdb").write_text("no volume")
+    content = write_vdb(tmp_path / "sound.vdb").read_bytes()
+    scale = content.index(b"TranslateMap") + len("TranslateMap") + 3 * 8  # behind the three numbers of the place
+    for name, number in (("nowhere", np.nan), ("endless", 1e300), ("flat", 0.0)):
+        damaged = content[:scale] + struct.pack("<d", number) + content[scale + 8 :]
+        (tmp_path / f"{name}.vdb").write_bytes(damaged)
     np.savez(tmp_path / "other.npz", speed=np.ones(3))
     np.savez(tmp_path / "shape.npz", velocity=np.ones((4, 4, 3)))
     bad = np.ones((5, 5, 5, 3))
@@ -80,6 +86,9 @@ def refuse_files(tmp_path):
         "empty.vdb": "is empty",
         "nan.vdb": "not numbers",
         "far.vdb": "spans 1000005 x 1000005 x 1000005 voxels, more than memory holds: remove what lies far away",
+        "nowhere.vdb": "choose an OpenVDB file",
+        "endless.vdb": "a transform that is not finite: export it again",
+        "flat.vdb": "choose an OpenVDB file",
         "text.vdb": "choose an OpenVDB file",
         "missing.vdb": "no such file",
         "other.npz": "no array 'velocity' .it has speed",

@@ -15,7 +15,7 @@ from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators import field_operator
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
-from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
+from synch_fields.synch_addon.operators.field_operator import BackgroundOperator, FieldOperator
 
 from ..event_loop import Loop, Recorded
 from ..moving_meshes import seen, stored_frames, swaying
@@ -117,3 +117,22 @@ def test_of_the_jobs_of_one_click_the_last_makes_the_step_for_undo(monkeypatch):
             click.begin()
         ended = [click.end(result, "Stripes") for result in results]
         assert ended == [*[stopped] * (len(results) - 1), last] and pushed == steps
+
+
+def test_all_objects_of_one_click_share_its_step(monkeypatch):
+    """Four: each that is begun looks for others, too, and finds none."""
+    spheres, clicks = [sphere(1) for _ in range(4)], []
+    others = [spheres[1:]]
+    monkeypatch.setattr(field_operator, "others_selected", lambda _: others.pop() if others else [])
+
+    class Selected(FieldOperator):
+        def _begin(self, context):
+            self._click = self._click or field_operator.Click()
+            clicks.append(self._click)
+            return {"RUNNING_MODAL"}
+
+        def _begin_another(self, obj):
+            Selected().invoke(bpy.context, None)
+
+    Selected().invoke(bpy.context, None)
+    assert len(clicks) == 4 and len({*clicks}) == 1 and FieldOperator._click is None

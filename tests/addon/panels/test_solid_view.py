@@ -74,7 +74,15 @@ def bent_by_a_lattice(obj):
     return bend
 
 
-@pytest.mark.parametrize("prepare", [bent_by_a_shape_key, bent_in_time, bent_by_a_lattice])
+def bent_by_an_armature(obj):
+    bpy.ops.object.armature_add()
+    bone = bpy.context.object.pose.bones[0]
+    obj.vertex_groups.new(name=bone.name).add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+    obj.modifiers.new("Rig", "ARMATURE").object = bone.id_data
+    return lambda: setattr(bone, "scale", (1, 3, 1))  # its own y axis points up
+
+
+@pytest.mark.parametrize("prepare", [bent_by_a_shape_key, bent_in_time, bent_by_a_lattice, bent_by_an_armature])
 def test_the_ink_follows_the_shape_and_is_made_again_only_when_that_changes(prepare, monkeypatch):
     obj = scenes.quad_sphere(9)
     bpy.ops.synch.stripes(spacing=0.5)

@@ -12,6 +12,7 @@ from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.solution import COARSE, Options
 from synch_fields.core.solve import solve
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.translations import translate
 from synch_fields.synch_addon.operators.variations import SYNCH_OT_place_defect
 from synch_fields.synch_addon.patterns import memory
 
@@ -83,7 +84,8 @@ def test_what_a_defect_costs_is_told_before_the_click():
     assert SYNCH_OT_place_defect.foretell(operator, obj, surface, (None, None)) is None  # it is told already
     after = api.place_defects(obj, [11])
     ends = len(after["dislocations"]) - len(before["dislocations"])
-    assert line == f"Here: {ends:+} line ends, {after['energy'] / before['energy'] - 1:+.1%} energy"
+    more = after["energy"] / before["energy"] - 1
+    assert line == translate("Here: {ends:+} line ends, {more:+.1%} energy", ends=ends, more=more)
 
 
 def test_what_was_shown_comes_back_as_it_was():
