@@ -21,6 +21,12 @@ from ..scenes import snapshot, sphere
 from .striping import Stripes, child, in_work, is_alive
 
 
+@pytest.fixture(autouse=True)
+def no_child_is_left(blender):
+    yield
+    queue.stop()
+
+
 def test_a_child_that_cannot_be_started_gives_one_line(monkeypatch):
     monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._python", lambda: ["/nowhere/python"])
     sphere()
