@@ -14,12 +14,13 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(config, items):
+    """A file is in one share: what its tests have in common is made once."""
     number, count = map(int, config.getoption("share").split("/"))
 
     def is_ours(item):
-        room = Path(item.path).parent
-        is_shared = room.name not in EACH or room.parent.name != "addon"
-        return not is_shared or crc32(item.nodeid.encode()) % count == number - 1
+        path = Path(item.path).relative_to(Path(__file__).parent)
+        is_each = path.parts[0] == "addon" and path.parts[1] in EACH
+        return is_each or crc32(path.as_posix().encode()) % count == number - 1
 
     config.hook.pytest_deselected(items=[item for item in items if not is_ours(item)])
     items[:] = filter(is_ours, items)

@@ -69,7 +69,7 @@ def solved(name, cells):
     return field, pattern, quad_mesh(pattern.edge_phases)
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7])
+@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
 def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
     field, _, quads = solved(name, cells)
@@ -86,7 +86,7 @@ def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
     assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(mesh.areas.sum(), rel=1 / cells)
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7])
+@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
 def test_nearly_all_faces_are_quads(name, cells):
     _, pattern, quads = solved(name, cells)
@@ -96,7 +96,7 @@ def test_nearly_all_faces_are_quads(name, cells):
         assert share == 1
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7])
+@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
 def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name, cells):
     """4 - valence inside, 3 - valence on the rim, 4 - corners of faces: four times the Euler characteristic."""
@@ -111,7 +111,7 @@ def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name
     assert figures["quad_share"] == pytest.approx((quads.sizes == 4).mean())
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7, 9])
+@pytest.mark.parametrize("cells", [4, 7, 9])
 @pytest.mark.parametrize("name", ["sphere", "cube", "rounded-cube"])
 def test_every_disclination_is_a_vertex_of_three_edges(name, cells):
     field, pattern, quads = solved(name, cells)
