@@ -8,13 +8,12 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import Cancelled
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs.report import summary
 from synch_fields.synch_addon.looks import render
 
 from ..quad_meshes import corner_vertices, half_edges, made_from
-from ..run_commands import run, undo_and_redo
+from ..run_commands import run
 from ..scenes import (
     attribute,
     empties,
@@ -56,15 +55,6 @@ def test_the_operator_gives_what_the_api_gives(operator):
     getattr(api, operator)(sphere(), spacing=SPACING, seed=2, smoothing=1)
     bpy.context.view_layer.update()
     assert everything() == found
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-def test_undo_restores_everything_and_redo_brings_it_back(operator):
-    furnished()
-    after = undo_and_redo(lambda: call(operator), everything)
-    bpy.ops.ed.undo()
-    assert call(operator) == {"FINISHED"}
-    assert everything() == after
 
 
 @pytest.mark.parametrize("operator, change", [("quads", {"spacing": 0.8}), ("quad_mesh", {"smoothing": 0})])
@@ -157,22 +147,6 @@ def test_warnings_of_a_quad_mesh_speak_of_what_it_does():
 
 
 # In the background
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-@pytest.mark.parametrize("calls", [1, 20, "second problem"])
-def test_cancelled_run_changes_nothing(operator, calls):
-    obj = furnished()
-    before, asked = everything(), []
-
-    def callback(stage, fraction):
-        asked.append(fraction)
-        return not ("dislocations asked for" in stage if calls == "second problem" else len(asked) == calls)
-
-    with pytest.raises(Cancelled):
-        getattr(api, operator)(obj, callback=callback, spacing=0.4)
-    assert calls in (len(asked), "second problem") and asked == sorted(asked) and 0 <= asked[0] <= asked[-1] <= 1
-    assert everything() == before
 
 
 # The command line
