@@ -100,15 +100,13 @@ def test_a_fault_of_ours_is_shown_and_what_other_modules_do_at_the_end_is_done(t
     assert (tmp_path / "saved").exists()
 
 
+SIGNALS = [("SIGTERM", 143, "terminated"), ("SIGINT", 130, "interrupted")]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended at once there")
 @pytest.mark.parametrize(
     ("number", "status", "word", "moment"),
-    [
-        ("SIGTERM", 143, "terminated", ""),
-        ("SIGINT", 130, "interrupted", ""),
-        ("SIGINT", 130, "interrupted", "relax"),
-        ("SIGINT", 130, "interrupted", "polish"),
-    ],
+    [(*SIGNALS[0], ""), *((*SIGNALS[1], moment) for moment in ("", "relax", "polish"))],
 )
 def test_a_signal_ends_a_command_in_one_line_and_leaves_nothing(
     ball, tmp_path, temporary, place, number, status, word, moment

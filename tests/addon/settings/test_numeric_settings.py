@@ -73,7 +73,7 @@ WORK = {
     "directions": (SurfaceSettings, solved("directions")),
     "stripes": (SurfaceSettings, solved("stripes", spacing=0.7, method="spectral")),
     "quads": (SurfaceSettings, solved("quads", spacing=0.7, method="spectral")),
-    "quad_mesh": (SurfaceSettings, solved("quad_mesh", spacing=0.7)),
+    "quad_mesh": (SurfaceSettings, solved("quad_mesh", spacing=0.7, method="spectral")),
     "layers": (LayerSettings, solved("layers", spacing=0.7, size=0.4, method="spectral")),
     "clebsch": (FlowSettings, clebsch),
     "isolines": (LineSettings, isolines),
