@@ -262,7 +262,7 @@ def test_command_line_takes_the_stored_list_or_one_from_a_file(file, tmp_path, c
 def test_neither_the_api_nor_the_command_line_needs_registering(file, tmp_path):
     report = tmp_path / "report.json"
     script = (
-        "import bpy, sys; from synch_fields.synch_addon import api; bpy.ops.mesh.primitive_grid_add(); "
+        "import bpy; from synch_fields.synch_addon import api; bpy.ops.mesh.primitive_grid_add(); "
         "api.directions(bpy.context.object, constraints=[{'where': 'boundary', 'what': 'along'}]); "
         "print(api.directions(bpy.context.object)['settings']['constraints'], flush=True); "
         "import runpy; runpy.run_module('synch_fields', run_name='__main__')"
