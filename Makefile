@@ -29,7 +29,7 @@ export PYTHONPATH := $(CURDIR)/out/tree
 
 help:
 	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
-	@echo 'make test         the tests, in some minutes'
+	@echo 'make test         the tests, in some minutes: a process for each core'
 	@echo 'make test-slow    the other tests'
 	@echo 'make fuzz         meshes, settings, texts, files and faults at random; MINUTES=60 SEED=0'
 	@echo 'make kills        commands and batches that are killed at random moments; KILLS=200 SEED=0'

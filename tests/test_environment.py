@@ -11,6 +11,7 @@ import tomllib
 from importlib import metadata
 from itertools import chain
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -249,9 +250,12 @@ def test_a_target_runs_its_programs_until_one_fails(monkeypatch):
     make = loaded("make")
     statuses, ran = [0, 0, 3], []
     monkeypatch.setattr(make.environment, "complete", lambda options, names: ran.append(names) or 0)
-    monkeypatch.setattr(
-        make.subprocess, "call", lambda command, **_settings: ran.append(command[1:]) or statuses.pop(0)
-    )
+
+    def start(command, **_settings):
+        ran.append(command[1:])
+        return SimpleNamespace(wait=lambda: statuses.pop(0))
+
+    monkeypatch.setattr(make.subprocess, "Popen", start)
     assert make.main(["test", "tests/core", "-x", "--blender", "5.0.1"]) == 0
     assert make.main(["lint"]) == 3
     assert ran[0] == ["blender", "test", "lint", "package", "bpy==5.0.1"]
@@ -259,6 +263,14 @@ def test_a_target_runs_its_programs_until_one_fails(monkeypatch):
     assert [command[1] for command in ran[3:]] == ["ruff", "ruff"]
     statuses.append(1)
     assert make.main(["demo"]) == 1 and not statuses
+    # All tests are shared out to as many processes as there are cores.
+    monkeypatch.setattr(make.os, "cpu_count", lambda: 2)
+    for given in ([], ["--share", "1/1"]):
+        statuses += [1, 0]
+        assert make.main(["test", *given]) == 1 and not statuses
+        assert ran[-2:] == [["-m", "pytest", "-m", "not slow", "--part", f"{k}/2"] for k in (1, 2)]
+    statuses.append(0)
+    assert make.main(["test", "--share", "1/2"]) == 0 and ran[-1][-2:] == ["--share", "1/2"]
 
 
 def test_make_calls_the_script_for_each_of_its_targets(monkeypatch):

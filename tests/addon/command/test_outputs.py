@@ -8,7 +8,6 @@ A limit on the size of files stands for the full disk: what goes beyond it is re
 import json
 import os
 import re
-import signal
 import struct
 import subprocess
 import sys
@@ -24,29 +23,43 @@ from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command.main import main
 
 from .. import scenes
+from ..run_commands import run
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no limits on files there")
 
 # The folder that this package is in, for processes that import it, too.
 ROOT = Path(synch_fields.__file__).parents[1]
-# The command line with a limit on the bytes of each file.
+# The command line with a limit on the bytes of its address space.
 LIMITED = """
 import resource, runpy, sys
 sys.dont_write_bytecode = True
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
+resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
 runpy.run_module("synch_fields", run_name="__main__")
 """
 
 
-def limited(bytes_, *arguments):
-    """The finished process of a command line none of whose files may become longer."""
-    return subprocess.run(
-        [sys.executable, "-c", LIMITED, str(bytes_), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        check=False,
-    )
+@pytest.fixture
+def limited(capfd):
+    """Runs a command line in this process none of whose files may become longer: exit status, stdout and stderr."""
+    resource = pytest.importorskip("resource")
+
+    def call(bytes_, *arguments):
+        allowed = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_, allowed[1]))
+        try:
+            return run(capfd, *arguments)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, allowed)
+
+    return call
+
+
+def process(*arguments, program=("-m", "synch_fields"), **options):
+    """A finished process of Python."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, *program, *map(str, arguments)]
+    return subprocess.run(command, text=True, env=environment, check=False, **options)
 
 
 @pytest.fixture
@@ -70,46 +83,46 @@ OUTPUTS = {
     ("flag", "name"),
     [pytest.param(*item, marks=[pytest.mark.slow] if item[0] == "--render" else []) for item in OUTPUTS.items()],
 )
-def test_a_full_disk_loses_no_file(sphere, tmp_path, flag, name):
+def test_a_full_disk_loses_no_file(limited, sphere, tmp_path, flag, name):
     command = "quad_mesh" if flag == "--export-mesh" else "directions"
     (tmp_path / name).write_text("old")
-    found = limited(700, command, sphere, "--quiet", flag, tmp_path / name)
-    lines = found.stderr.strip().splitlines()
-    assert found.returncode == 1, found.stderr
+    status, _, errors = limited(700, command, sphere, "--quiet", flag, tmp_path / name)
+    lines = errors.strip().splitlines()
+    assert status == 1, errors
     assert "cannot be written" in lines[-1] and str(tmp_path / name) in lines[-1]
     assert (tmp_path / name).read_text() == "old" and len(list(tmp_path.iterdir())) == 2
 
 
-def test_a_full_disk_that_has_room_for_a_failure_keeps_the_older_report(sphere, tmp_path):
+def test_a_full_disk_that_has_room_for_a_failure_keeps_the_older_report(limited, sphere, tmp_path):
     """The report that cannot be written is longer than one that says so."""
     report = tmp_path / "out.json"
     report.write_text("old")
     arguments = ["stripes", sphere, "--spacing", 0.2, "--method", "spectral", "--quiet", "--report", report]
-    found = limited(3000, *arguments)
-    assert found.returncode == 1 and "out.json: cannot be written" in found.stderr, found.stderr
+    status, _, errors = limited(3000, *arguments)
+    assert status == 1 and "out.json: cannot be written" in errors, errors
     assert report.read_text() == "old" and len(list(tmp_path.iterdir())) == 2
-    assert limited(10**6, *arguments).returncode == 0
+    assert limited(10**6, *arguments)[0] == 0
     assert report.stat().st_size > 3000
 
 
-def test_layers_that_cannot_all_be_written_leave_none(tmp_path):
+def test_layers_that_cannot_all_be_written_leave_none(limited, tmp_path):
     """Of a cone, whose layers have files of other lengths."""
     bpy.ops.mesh.primitive_cone_add(vertices=48)
     cone = tmp_path / "cone.obj"
     files.export_mesh(bpy.context.object, cone)
     arguments = ["layers", cone, "--spacing", 0.6, "--size", 0.3, "--quiet", "--export-layers", tmp_path / "part.stl"]
-    assert limited(10**9, *arguments).returncode == 0
+    assert limited(10**9, *arguments)[0] == 0
     before = {path.name: path.read_bytes() for path in tmp_path.glob("part_*")}
     sizes = sorted(map(len, before.values()))
     assert sizes[0] < sizes[-1], "all layers are of one length"
     (tmp_path / "part_000.stl").write_bytes(b"old")
-    found = limited(sizes[-1] - 1, *arguments)
-    assert found.returncode == 1 and "cannot be written" in found.stderr and ".synch-" not in found.stderr
+    status, _, errors = limited(sizes[-1] - 1, *arguments)
+    assert status == 1 and "cannot be written" in errors and ".synch-" not in errors
     assert (tmp_path / "part_000.stl").read_bytes() == b"old"
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*before, "cone.obj"])
     for path in tmp_path.glob("part_*"):
         path.unlink()
-    assert limited(sizes[-1] - 1, *arguments).returncode == 1
+    assert limited(sizes[-1] - 1, *arguments)[0] == 1
     assert [path.name for path in tmp_path.iterdir()] == ["cone.obj"]
 
 
@@ -164,18 +177,6 @@ def test_reports_are_json_that_every_reader_takes():
     assert report["gaps"][0] == float("inf")
 
 
-def started(*arguments, **options):
-    """A command line that runs."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "synch_fields", *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        **options,
-    )
-
-
 # The command line, interrupted when Blender is about to be imported.
 INTERRUPTED = """
 import importlib.abc, os, runpy, signal, sys
@@ -191,54 +192,20 @@ runpy.run_module("synch_fields", run_name="__main__")
 
 
 def test_an_interrupt_while_blender_is_imported_ends_the_command_in_one_line(sphere):
-    found = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED, "info", str(sphere)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        check=False,
-    )
+    found = process("info", sphere, program=("-c", INTERRUPTED))
     assert found.returncode == 130 and found.stderr.strip() == "synch: interrupted"
-
-
-@pytest.mark.parametrize("moment", ["", "relax", "cont", "polish"])
-def test_an_interrupt_ends_the_command_in_one_line(sphere, tmp_path, moment):
-    """At the first progress of a kind, which is that of the directions: the stripes are still to be solved."""
-    output = tmp_path / "out.blend"
-    process = started("stripes", sphere, "--spacing", 0.05, "--output", output, "--report", tmp_path / "out.json")
-    for line in process.stderr:
-        if moment in line:
-            break
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=120)
-    assert process.returncode == 130, errors
-    assert "Traceback" not in errors and "interrupted" in errors.splitlines()[-1]
-    assert [path.name for path in tmp_path.iterdir()] == ["sphere.obj"]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere address space has no limit")
 def test_too_little_memory_is_told_in_one_line(sphere, tmp_path, capsys, monkeypatch):
     """Too little for Blender before it is loaded, and too little for the solve when it ends."""
-    limited_space = LIMITED.replace("RLIMIT_FSIZE", "RLIMIT_AS")
-    found = subprocess.run(
-        [sys.executable, "-c", limited_space, str(10**9), "info", str(sphere)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        check=False,
-    )
+    found = process(10**9, "info", sphere, program=("-c", LIMITED))
     assert found.returncode == 1 and found.stderr.count("\n") == 1
     assert found.stderr.startswith("synch: the address space is limited to 0.93 GB and Blender needs")
 
     large = tmp_path / "large.obj"
     large.write_bytes(sphere.read_bytes() + b"# nothing but a comment\n" * 6_000_000)
-    found = subprocess.run(
-        [sys.executable, "-c", limited_space, str(2 * 10**9), "info", str(large)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        check=False,
-    )
+    found = process(2 * 10**9, "info", large, program=("-c", LIMITED))
     assert found.returncode == 1 and found.stderr.count("\n") == 1
     assert re.search(r"large\.obj takes about 1\.\d GB of address space and 0\.\d+ GB are left", found.stderr)
     large.unlink()
@@ -255,27 +222,13 @@ def test_too_little_memory_is_told_in_one_line(sphere, tmp_path, capsys, monkeyp
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device without room")
 def test_a_result_that_cannot_be_printed_is_told(sphere):
     with open("/dev/full", "w") as full:
-        found = subprocess.run(
-            [sys.executable, "-m", "synch_fields", "info", str(sphere)],
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=os.environ | {"PYTHONPATH": str(ROOT)},
-            check=False,
-        )
+        found = process("info", sphere, stdout=full)
     assert found.returncode == 1
     assert found.stderr.strip() == "synch info: the result cannot be printed (No space left on device)"
 
 
 def test_without_a_stdout_the_command_runs(sphere):
-    command = f"{sys.executable} -m synch_fields info {sphere} >&-"
-    found = subprocess.run(
-        ["sh", "-c", command],
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        check=False,
-    )
+    found = process("info", sphere, stdout=None, preexec_fn=lambda: os.close(1))
     assert (found.returncode, found.stderr) == (0, "")
 
 
@@ -302,17 +255,17 @@ def test_what_the_importer_says_of_each_line_is_not_repeated(tmp_path, capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_a_volume_on_a_full_disk_is_told_in_one_line_and_the_older_one_stays(tmp_path):
+def test_a_volume_on_a_full_disk_is_told_in_one_line_and_the_older_one_stays(limited, tmp_path):
     bpy.ops.mesh.primitive_cube_add(size=1)
     cube, volume = tmp_path / "cube.obj", tmp_path / "v.vdb"
     files.export_mesh(bpy.context.object, cube)
     volume.write_bytes(b"old")
     arguments = ["layers", cube, "--spacing", 0.6, "--size", 0.3, "--quiet", "--export-volume", volume]
-    found = limited(2000, *arguments, "--resolution", 32)
-    assert found.returncode == 1 and found.stderr.count("\n") == 1, found.stderr
-    assert found.stderr.startswith(f"synch layers: {volume}: cannot be written (")
+    status, _, errors = limited(2000, *arguments, "--resolution", 32)
+    assert status == 1 and errors.count("\n") == 1, errors
+    assert errors.startswith(f"synch layers: {volume}: cannot be written (")
     assert volume.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 2
-    assert limited(10**8, *arguments, "--resolution", 32).returncode == 0
+    assert limited(10**8, *arguments, "--resolution", 32)[0] == 0
     assert len(volume.read_bytes()) > 2000
 
 
@@ -333,11 +286,11 @@ def damaged_glb(text):
     ],
     ids=range(7),
 )
-def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback(tmp_path, content):
+def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback(tmp_path, content, capfd):
     path = tmp_path / "bad.glb"
     path.write_bytes(content)
-    found = limited(10**9, "info", path)
-    assert found.returncode == 1 and found.stdout == ""
-    lines = found.stderr.splitlines()
-    assert len(lines) == 1 and lines[0].startswith(f"synch info: {path}"), found.stderr
-    assert "Traceback" not in found.stderr and 'File "' not in found.stderr
+    status, out, errors = run(capfd, "info", path)
+    assert status == 1 and out == ""
+    lines = errors.splitlines()
+    assert len(lines) == 1 and lines[0].startswith(f"synch info: {path}"), errors
+    assert "Traceback" not in errors and 'File "' not in errors

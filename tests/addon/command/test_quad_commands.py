@@ -8,16 +8,12 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs.report import summary
 from synch_fields.synch_addon.looks import render
-from synch_fields.synch_addon.patterns import job as field_job
 
-from ..event_loop import by_the_worker
 from ..quad_meshes import corner_vertices, half_edges, made_from
-from ..run_commands import run, undo_and_redo
+from ..run_commands import run
 from ..scenes import (
     attribute,
     empties,
@@ -28,7 +24,6 @@ from ..scenes import (
     save_and_reopen,
     snapshot,
     sphere,
-    tube,
 )
 
 OPERATORS = ["quads", "quad_mesh"]
@@ -60,16 +55,6 @@ def test_the_operator_gives_what_the_api_gives(operator):
     getattr(api, operator)(sphere(), spacing=SPACING, seed=2, smoothing=1)
     bpy.context.view_layer.update()
     assert everything() == found
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-@pytest.mark.parametrize("build", [sphere, tube, furnished])
-def test_undo_restores_everything_and_redo_brings_it_back(operator, build):
-    build()
-    after = undo_and_redo(lambda: call(operator), everything)
-    bpy.ops.ed.undo()
-    assert call(operator) == {"FINISHED"}
-    assert everything() == after
 
 
 @pytest.mark.parametrize("operator, change", [("quads", {"spacing": 0.8}), ("quad_mesh", {"smoothing": 0})])
@@ -164,49 +149,6 @@ def test_warnings_of_a_quad_mesh_speak_of_what_it_does():
 # In the background
 
 
-@pytest.mark.parametrize("operator", OPERATORS)
-@pytest.mark.parametrize("calls", [1, 2, 20, 60, "second problem"])
-def test_cancelled_run_changes_nothing(operator, calls):
-    obj = furnished()
-    before, asked = everything(), []
-
-    def callback(stage, fraction):
-        asked.append(fraction)
-        return not ("dislocations asked for" in stage if calls == "second problem" else len(asked) == calls)
-
-    with pytest.raises(Cancelled):
-        getattr(api, operator)(obj, callback=callback, spacing=0.4)
-    assert calls in (len(asked), "second problem") and asked == sorted(asked) and 0 <= asked[0] <= asked[-1] <= 1
-    assert everything() == before
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-def test_a_job_of_the_window_gives_what_a_blocking_run_gives(operator):
-    obj = sphere()
-    work = by_the_worker(field_job.FieldJob(operator, obj, SurfaceSettings(spacing=SPACING)))
-    assert work.error is None and work.fraction > 0.8
-    assert len(bpy.data.objects) == 1 and "synch_pattern" not in obj.data.attributes
-    work.job.write(work.result)
-    bpy.context.view_layer.update()
-    found = everything()
-    bpy.ops.wm.read_homefile(use_empty=True)
-    sphere()
-    call(operator)
-    assert everything() == found
-
-
-@pytest.mark.parametrize("operator", OPERATORS)
-def test_a_mesh_that_changed_meanwhile_is_not_written(operator):
-    obj = sphere()
-    job = field_job.FieldJob(operator, obj, SurfaceSettings(spacing=SPACING))
-    result = job.request.solve()
-    obj.data.vertices[3].co.x += 0.1
-    before = everything()
-    with pytest.raises(SynchError, match="changed while it was solved"):
-        job.write(result)
-    assert everything() == before
-
-
 # The command line
 
 
@@ -297,6 +239,7 @@ def test_the_field_of_quads_is_exported(ball, tmp_path, capfd):
 
 FAILURES = {
     "unknown kind of mesh": (["quad_mesh", "--export-mesh", "out.fbx"], "must end in .obj or .ply or .stl"),
+    "unknown kind before any work": (["quad_mesh", "--object", "X", "--export-mesh", "a.fbx"], "must end in .obj"),
     "mesh in a file": (["quad_mesh", "--export-mesh", "/dev/null/out.obj"], "cannot be written"),
     "scene of another kind": (["quads", "--output", "out.obj"], "must end in .blend"),
     "picture of another kind": (["quad_mesh", "--render", "out.jpg"], "must end in .png"),
@@ -319,12 +262,6 @@ def test_failures_are_one_line_and_leave_no_file_but_the_report(name, ball, tmp_
     report = json.loads((tmp_path / "report.json").read_text())
     assert (report["status"], report["command"]) == ("failed", command) and report["error"] in line
     assert [p.name for p in tmp_path.iterdir()] == ["report.json"]
-
-
-def test_wrong_suffixes_are_refused_before_any_work(tmp_path, capfd):
-    """The file is not even looked for."""
-    status, _, err = run(capfd, "quad_mesh", tmp_path / "absent.obj", "--export-mesh", tmp_path / "out.xyz")
-    assert status == 1 and "out.xyz" in err and "no such file" not in err
 
 
 @pytest.mark.parametrize(

@@ -25,17 +25,14 @@ from ..scenes import attribute, grid, set_vectors, snapshot, sphere
 from .striping import Stripes, child, in_work, is_alive
 
 
-@pytest.mark.parametrize("command", ["directions", "stripes", "quads"])
-def test_window_gets_what_a_script_gets(command):
+def test_window_gets_what_a_script_gets():
     obj = sphere()
-    operator = Stripes()
-    operator.command = command
-    loop, operator = begun(operator)
+    loop, operator = begun(Stripes())
     assert loop.run(operator) == {"FINISHED"}
     assert queue.running is None and loop.free
     names = {a.name for a in obj.data.attributes if a.name.startswith("synch_")}
     written = [attribute(obj, name) for name in names]
-    getattr(api, command)(obj, spacing=0.4)
+    api.stripes(obj, spacing=0.4)
     assert names == {a.name for a in obj.data.attributes if a.name.startswith("synch_")}
     for name, values in zip(names, written, strict=True):
         np.testing.assert_array_equal(values, attribute(obj, name))

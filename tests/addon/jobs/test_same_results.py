@@ -20,31 +20,26 @@ from ..event_loop import by_the_worker
 from ..scenes import attribute, quad_sphere
 
 SPACING = 0.4
-COMMANDS = ("directions", "stripes", "quads", "quad_mesh", "layers")
-
-
-def settings_of(command):
-    return {} if command == "directions" else {"spacing": SPACING}
+COMMANDS = ("stripes", "quad_mesh", "layers")
 
 
 def from_the_window(command, obj):
     """As the window does it: by the worker."""
     if command == "layers":
-        job = api.layer_job(obj, LayerSettings(**settings_of(command)))
+        job = api.layer_job(obj, LayerSettings(spacing=SPACING))
     else:
-        job = FieldJob(command, obj, SurfaceSettings(**settings_of(command)))
+        job = FieldJob(command, obj, SurfaceSettings(spacing=SPACING))
     work = by_the_worker(job)
     assert work.error is None, work.error
     job.write(work.result)
 
 
 def from_a_script(command, obj):
-    getattr(api, command)(obj, **settings_of(command))
+    getattr(api, command)(obj, spacing=SPACING)
 
 
 def from_the_command_line(command, path, output):
-    arguments = [f"--spacing={SPACING}"] if command != "directions" else []
-    run = [sys.executable, "-m", "synch_fields", command, path, "--quiet", "--output", output, *arguments]
+    run = [sys.executable, "-m", "synch_fields", command, path, "--quiet", "--output", output, f"--spacing={SPACING}"]
     subprocess.run([str(part) for part in run], check=True, env=os.environ, capture_output=True)
 
 

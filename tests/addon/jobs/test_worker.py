@@ -21,7 +21,15 @@ from ..scenes import snapshot, sphere
 from .striping import Stripes, child, in_work, is_alive
 
 
-def test_a_child_that_cannot_be_started_gives_one_line(monkeypatch):
+@pytest.fixture
+def own_child(blender):
+    """The test has a child that no other test has."""
+    queue.stop()
+    yield
+    queue.stop()
+
+
+def test_a_child_that_cannot_be_started_gives_one_line(own_child, monkeypatch):
     monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._python", lambda: ["/nowhere/python"])
     sphere()
     loop, operator = begun(Stripes())
@@ -41,7 +49,7 @@ def test_a_result_that_memory_cannot_hold_gives_one_line(monkeypatch):
     assert loop.run(operator) == {"CANCELLED"} and "not enough memory" in operator.reports[-1][1]
 
 
-def test_the_child_stays_for_the_next_job_and_goes_when_it_is_idle(monkeypatch):
+def test_the_child_stays_for_the_next_job_and_goes_when_it_is_idle(own_child, monkeypatch):
     sphere()
     loop, operator = begun(Stripes())
     assert loop.run(operator) == {"FINISHED"}
@@ -81,7 +89,7 @@ def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
     assert loop.run(operator) == {"FINISHED"}
 
 
-def test_a_limit_of_memory_gives_one_line(monkeypatch):
+def test_a_limit_of_memory_gives_one_line(own_child, monkeypatch):
     monkeypatch.setattr(queue_module, "memory_limit", lambda: 300 * 2**20)
     sphere(7)
     before = snapshot()
@@ -91,7 +99,7 @@ def test_a_limit_of_memory_gives_one_line(monkeypatch):
 
 
 @pytest.mark.parametrize("words", ["print('hello')", "import os; os.write(1, os.urandom(1 << 20))"])
-def test_a_child_that_says_nonsense_gives_one_line(monkeypatch, words):
+def test_a_child_that_says_nonsense_gives_one_line(own_child, monkeypatch, words):
     program = f"{words}\nimport sys, time\nsys.stdout.flush()\ntime.sleep(20)\n"
     if "hello" in words:
         program = program.replace("time.sleep(20)", "sys.exit(3)")

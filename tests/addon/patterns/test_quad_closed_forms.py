@@ -28,8 +28,9 @@ def point(obj, place):
     return [{"where": "group", "what": "phase", "name": "point"}], places(obj)[vertex]
 
 
-@pytest.mark.parametrize("spacing", [0.25, 0.5, 1.0])
-@pytest.mark.parametrize("guidance", ["smooth", "axis:X", "axis:Y"])
+@pytest.mark.parametrize(
+    "guidance, spacing", [("smooth", 0.25), ("smooth", 0.5), ("smooth", 1.0), ("axis:X", 0.25), ("axis:Y", 0.5)]
+)
 def test_lines_on_the_boundary_lie_on_all_four_sides(guidance, spacing):
     obj = grid(16)
     report = api.quads(obj, spacing=spacing, guidance=guidance, boundary="phase")
@@ -130,8 +131,9 @@ def test_quads_grow_with_the_distance_where_the_map_says_so():
 # The object in the world
 
 
-@pytest.mark.parametrize("by", ["object", "parent"])
-@pytest.mark.parametrize("scale", [(2, 0.5, 3), (3, 3, 3), (-1, 2, 1)])
+@pytest.mark.parametrize(
+    "scale, by", [((2, 0.5, 3), "object"), ((3, 3, 3), "parent"), ((-1, 2, 1), "object"), ((-1, 2, 1), "parent")]
+)
 def test_lengths_are_those_of_the_world(scale, by):
     obj = panel((2, 1.2), (20, 12), (-1, -0.6))
     scaled = obj

@@ -68,7 +68,7 @@ def checked(obj, **settings):
 @pytest.mark.parametrize("shape", SHAPES)
 def test_small_meshes_become_a_few_sound_faces_or_one_line(shape, how):
     random = np.random.default_rng([len(shape), len(how)])
-    for faces in random.choice([1, 2, 3, 4, 6, 12], 2, replace=False).tolist():
+    for faces in random.choice([1, 2, 3, 4, 6, 12], 1).tolist():
         bpy.ops.wm.read_homefile(use_empty=True)
         SHAPES[shape](int(random.integers(1, 4)))
         checked(torn(bpy.context.object, how, random), faces=faces, branching=float(random.integers(2)))

@@ -259,21 +259,17 @@ def test_command_line_takes_the_stored_list_or_one_from_a_file(file, tmp_path, c
         assert row["what"] == ("along" if component else "across")
 
 
-def test_the_api_needs_no_registering():
+def test_neither_the_api_nor_the_command_line_needs_registering(file, tmp_path):
+    report = tmp_path / "report.json"
     script = (
         "import bpy; from synch_fields.synch_addon import api; bpy.ops.mesh.primitive_grid_add(); "
         "api.directions(bpy.context.object, constraints=[{'where': 'boundary', 'what': 'along'}]); "
-        "print(api.directions(bpy.context.object)['settings']['constraints'])"
+        "print(api.directions(bpy.context.object)['settings']['constraints'], flush=True); "
+        "import runpy; runpy.run_module('synch_fields', run_name='__main__')"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.returncode == 0 and done.stdout.splitlines()[-1] == "[]", done.stderr
-
-
-def test_command_line_of_plain_python_reads_the_stored_list(file, tmp_path):
-    report = tmp_path / "report.json"
-    arguments = [sys.executable, "-m", "synch_fields", "directions", str(file), "--report", str(report)]
+    arguments = [sys.executable, "-c", script, "directions", str(file), "--report", str(report)]
     done = subprocess.run(arguments, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0 and "[]" in done.stdout.splitlines(), done.stderr
     assert [row["what"] for row in json.loads(report.read_text())["settings"]["constraints"]] == ["across"]
 
 

@@ -28,8 +28,14 @@ from ..scenes import (
 # Directions
 
 
-@pytest.mark.parametrize("wish, degrees", [("along", 0), ("across", 90), ("angle", 30), ("angle", -70)])
-@pytest.mark.parametrize("place", EVERY_PLACE)
+WISHES = [("along", 0), ("across", 90), ("angle", -70)]
+
+
+@pytest.mark.parametrize(
+    ("place", "wish", "degrees"),
+    [(place, "angle", 30) for place in EVERY_PLACE]
+    + [(place, *wish) for place in ("seams", "curve") for wish in WISHES],
+)
 def test_directions_meet_a_line_at_the_angle_that_is_asked(place, wish, degrees):
     obj = sheet()
     row, _, _ = line_upright(obj, place)
@@ -50,10 +56,13 @@ def test_vectors_run_with_the_line(place, wish, sign):
     np.testing.assert_allclose(directions(obj) @ expected, sign, atol=1e-6)
 
 
+LINES = [*product(["ring", "chain"], ["seams", "sharp", "creases", "group"]), ("ring", "boundary")]
+
+
 @pytest.mark.parametrize(
-    "line, place", [*product(["ring", "chain"], ["seams", "sharp", "creases", "group"]), ("ring", "boundary")]
+    ("line", "place", "wish", "degrees"),
+    [(*line, "angle", 25) for line in LINES] + [(line, "seams", *w) for line in ("ring", "chain") for w in WISHES[:2]],
 )
-@pytest.mark.parametrize("wish, degrees", [("along", 0), ("across", 90), ("angle", 25)])
 def test_on_a_tube_rings_and_chains_are_lines(line, place, wish, degrees):
     obj = tube()
     chosen = np.arange(24 * 9) // 24 == (0 if place == "boundary" else 4)
@@ -88,8 +97,9 @@ def test_an_attribute_gives_directions_where_it_is_not_zero():
 
 
 @pytest.mark.parametrize("symmetry", ["line", "vector"])
-@pytest.mark.parametrize("degrees", [0, 180, 50])
-@pytest.mark.parametrize("place", EVERY_PLACE)
+@pytest.mark.parametrize(
+    ("place", "degrees"), [*((place, 50) for place in EVERY_PLACE), *product(("seams", "curve"), (0, 180))]
+)
 def test_a_stripe_lies_on_a_line_at_its_phase(place, degrees, symmetry):
     obj = sheet()
     row, at, up = line_upright(obj, place)

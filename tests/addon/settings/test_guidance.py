@@ -43,25 +43,27 @@ def furnished_grid():
     return obj
 
 
-@pytest.mark.parametrize("way", WAYS)
+# All by the API, one by the others, too.
+STRAIGHT = [
+    ("gradient:slope", (2, 1)),
+    ("contour:slope", (-1, 2)),
+    ("gradient:ramp", (-1, 0)),
+    ("contour:ramp", (0, -1)),
+    ('distance:"left, side"', (1, 0)),
+    ('offset:"left, side"', (0, 1)),
+    ("distance:Edge", (1, 0)),
+    ("offset:Edge", (0, 1)),
+    ("axis:X", (1, 0)),
+    ("axis:Y", (0, 1)),
+    ("uv-u", (1, 0)),
+    ("uv-v:UVMap", (0, 1)),
+    ("uv-u:Turned", (0, -1)),
+    ("uv-v:Turned", (1, 0)),
+]
+
+
 @pytest.mark.parametrize(
-    "guidance, expected",
-    [
-        ("gradient:slope", (2, 1)),
-        ("contour:slope", (-1, 2)),
-        ("gradient:ramp", (-1, 0)),
-        ("contour:ramp", (0, -1)),
-        ('distance:"left, side"', (1, 0)),
-        ('offset:"left, side"', (0, 1)),
-        ("distance:Edge", (1, 0)),
-        ("offset:Edge", (0, 1)),
-        ("axis:X", (1, 0)),
-        ("axis:Y", (0, 1)),
-        ("uv-u", (1, 0)),
-        ("uv-v:UVMap", (0, 1)),
-        ("uv-u:Turned", (0, -1)),
-        ("uv-v:Turned", (1, 0)),
-    ],
+    ("way", "guidance", "expected"), [("api", *row) for row in STRAIGHT] + [(way, *STRAIGHT[4]) for way in WAYS[1:]]
 )
 def test_straight_guides_on_a_square_are_followed(way, guidance, expected):
     obj = furnished_grid()
@@ -74,11 +76,10 @@ def test_straight_guides_on_a_square_are_followed(way, guidance, expected):
         assert misses.max() < 0.1
 
 
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("guidance, upright", [("distance:boundary", True), ("offset:boundary", False)])
-def test_the_boundary_of_a_tube_gives_its_axis_and_its_circles(way, guidance, upright):
+def test_the_boundary_of_a_tube_gives_its_axis_and_its_circles(guidance, upright):
     obj = tube()
-    solve(way, obj, guidance=guidance)
+    api.directions(obj, guidance=guidance)
     heights = np.abs(directions(obj)[:, 2])
     away = np.abs(places(obj)[:, 2] - 1) > 0.2  # in the middle both rims are as near
     assert (heights[away] > 0.99).all() if upright else (heights[away] < 0.1).all()
@@ -127,8 +128,9 @@ def test_an_axis_on_a_sphere_gives_meridians_and_smooth_poles():
 # Blends and strengths
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("strengths", [(1, 1), (1, 2), (0.5, 0.1), (0, 1)])
+@pytest.mark.parametrize(
+    ("way", "strengths"), [*(("api", pair) for pair in ((1, 1), (0.5, 0.1), (0, 1))), *((way, (1, 2)) for way in WAYS)]
+)
 def test_a_blend_of_two_axes_points_between_them_by_their_strengths(way, strengths):
     obj = grid()
     solve(way, obj, guidance="axis:X={},axis:Y={}".format(*strengths), symmetry="vector")

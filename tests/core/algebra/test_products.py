@@ -29,8 +29,7 @@ def solving():
 
 
 @pytest.mark.parametrize("size", MATRICES)
-@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.complex64, np.complex128])
-@pytest.mark.parametrize("count", [2, 5])
+@pytest.mark.parametrize(("dtype", "count"), [(np.float32, 2), (np.float64, 5), (np.complex64, 5), (np.complex128, 2)])
 def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, count, monkeypatch):
     monkeypatch.setattr(workers, "WORKERS", count)
     random = np.random.default_rng(0)

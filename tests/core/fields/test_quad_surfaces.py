@@ -69,7 +69,7 @@ def solved(name, cells):
     return field, pattern, quad_mesh(pattern.edge_phases)
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7])
+@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
 def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
     field, _, quads = solved(name, cells)
@@ -86,7 +86,7 @@ def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
     assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(mesh.areas.sum(), rel=1 / cells)
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7])
+@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
 def test_nearly_all_faces_are_quads(name, cells):
     _, pattern, quads = solved(name, cells)
@@ -96,7 +96,7 @@ def test_nearly_all_faces_are_quads(name, cells):
         assert share == 1
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7])
+@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
 def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name, cells):
     """4 - valence inside, 3 - valence on the rim, 4 - corners of faces: four times the Euler characteristic."""
@@ -111,7 +111,7 @@ def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name
     assert figures["quad_share"] == pytest.approx((quads.sizes == 4).mean())
 
 
-@pytest.mark.parametrize("cells", [4, 5.5, 7, 9])
+@pytest.mark.parametrize("cells", [4, 7, 9])
 @pytest.mark.parametrize("name", ["sphere", "cube", "rounded-cube"])
 def test_every_disclination_is_a_vertex_of_three_edges(name, cells):
     field, pattern, quads = solved(name, cells)
@@ -185,12 +185,11 @@ def at_random(name, smooth, seed, cells=10):
 GENUS = {"torus": 1, "bumpy-torus": 1, "double-torus": 2}
 
 
-@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("smooth", [True, False])
 @pytest.mark.parametrize("name", CLOSED)
-def test_random_phases_on_closed_surfaces_give_closed_meshes(name, smooth, seed):
+def test_random_phases_on_closed_surfaces_give_closed_meshes(name, smooth):
     """Full of dislocations: what is left of the lines may fall apart, but has no rim and no handle of its own."""
-    _, edge_phases = at_random(name, smooth, seed)
+    _, edge_phases = at_random(name, smooth, 0)
     quads = quad_mesh(edge_phases)
     _, forward, backward = edges_of(quads)
     loops = edges_of(quads)[0][:, 0] == edges_of(quads)[0][:, 1]
@@ -209,12 +208,11 @@ def test_random_phases_on_closed_surfaces_give_closed_meshes(name, smooth, seed)
         assert (fans(quads) == 1).all()
 
 
-@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("smooth", [True, False])
 @pytest.mark.parametrize("name", BOUNDED)
-def test_random_phases_on_bounded_surfaces_keep_to_the_boundary(name, smooth, seed):
+def test_random_phases_on_bounded_surfaces_keep_to_the_boundary(name, smooth):
     """The rim is made of closed walks with the surface on their left, from place to place on the boundary."""
-    mesh, edge_phases = at_random(name, smooth, seed)
+    mesh, edge_phases = at_random(name, smooth, 0)
     quads = quad_mesh(edge_phases)
     assert len(quads.sizes) > 0 and quads.sizes.min() >= 3
     pairs, forward, backward = edges_of(quads)

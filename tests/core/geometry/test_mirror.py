@@ -69,8 +69,10 @@ def asymmetry(field, mesh, partner, axis):
     return np.abs(np.exp(1j * field.symmetry * (angles - field.angles)) - 1)
 
 
-@pytest.mark.parametrize("symmetry", [1, 2, 4])
-@pytest.mark.parametrize(("build", "axes"), CASES)
+@pytest.mark.parametrize(
+    ("build", "axes", "symmetry"),
+    [(*case.values, 4) for case in CASES] + [(*case.values, symmetry) for case in CASES[2::3] for symmetry in (1, 2)],
+)
 def test_directions_are_their_own_mirror_image(build, axes, symmetry):
     mesh, polygons = build()
     mirrors = mirrors_of(mesh, polygons, axes)
@@ -84,16 +86,15 @@ def test_directions_are_their_own_mirror_image(build, axes, symmetry):
     assert field.solution.energy >= free.solution.lower_bound
 
 
-@pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("symmetry", [1, 2])
 @pytest.mark.parametrize(("build", "axes"), CASES)
-def test_stripes_are_their_own_mirror_image(build, axes, symmetry, seed):
+def test_stripes_are_their_own_mirror_image(build, axes, symmetry):
     mesh, polygons = build()
     mirrors = mirrors_of(mesh, polygons, axes)
     if symmetry == 1 and len(axes) == 2:
         pytest.skip("no vector field is symmetric in two mirrors that meet")
-    field = direction_field(mesh, symmetry, DirectionWishes(mirrors=mirrors), Options(seed=seed))
-    pattern = stripe_pattern(mesh, field, 0.35, mirrors=mirrors, options=Options(seed=seed))
+    field = direction_field(mesh, symmetry, DirectionWishes(mirrors=mirrors), Options(seed=1))
+    pattern = stripe_pattern(mesh, field, 0.35, mirrors=mirrors, options=Options(seed=1))
     cosines = np.cos(np.angle(pattern.solution.phases))
     for mirror in mirrors:
         np.testing.assert_allclose(cosines[mirror.partner], cosines, atol=1e-9)

@@ -58,7 +58,7 @@ def test_variations_lie_above_the_bound_and_differ(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("vertex", [5, 100, 333, 700])
+@pytest.mark.parametrize("vertex", [5, 333])
 def test_a_placed_defect_lies_at_its_vertex(kind, vertex):
     pattern, field = solved(kind)
     node = vertex * (2 if kind == "cross" else 1)

@@ -67,8 +67,8 @@ def chords_of_square(degrees, spacing, origin, offsets, reach=40):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("degrees", [0, 17, 45, 90])
 @pytest.mark.parametrize(("spacing", "origin"), [(0.1, (0, 0, 0)), (0.23, (0.21, 0.38, 0)), (0.25, (0.5, 0.5, 0))])
+@pytest.mark.parametrize("degrees", [0, 17, 45])
 def test_plane_stripes_have_their_lines_where_they_must_be(spacing, origin, degrees, width):
     """Also where they pass through vertices, lie on edges, or on the boundary itself."""
     lines = isolines(plane_stripes(square(8), degrees, spacing, origin), width)
@@ -191,11 +191,18 @@ STRIPES = {
 }
 
 
+@cache
+def lines_of(name, width):
+    """The phases on the edges of a mesh, and the lines."""
+    edge_phases = STRIPES[name]()
+    return edge_phases, isolines(edge_phases, width)
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("name", STRIPES)
 def test_lines_end_at_dislocations_as_often_as_their_numbers_say(name, width):
-    edge_phases = STRIPES[name]()
-    mesh, lines = edge_phases.mesh, isolines(edge_phases, width)
+    edge_phases, lines = lines_of(name, width)
+    mesh = edge_phases.mesh
     numbers, torn = dislocation_numbers(edge_phases, mesh.triangles)
     at = np.column_stack([lines.starts, lines.starts + lines.sizes - 1])
     ends = lines.triangles[at[lines.ends == End.DISLOCATION]]
@@ -213,7 +220,7 @@ def test_lines_end_at_dislocations_as_often_as_their_numbers_say(name, width):
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("name", STRIPES)
 def test_lines_close_or_end_on_the_boundary_or_at_a_defect(name, width):
-    lines = isolines(STRIPES[name](), width)
+    _, lines = lines_of(name, width)
     mesh = lines.mesh
     assert ((lines.ends[:, 0] == End.CLOSED) == (lines.ends[:, 1] == End.CLOSED)).all()
     at = np.column_stack([lines.starts, lines.starts + lines.sizes - 1])[lines.ends == End.BOUNDARY]
@@ -230,8 +237,8 @@ def test_lines_close_or_end_on_the_boundary_or_at_a_defect(name, width):
 @pytest.mark.parametrize("name", STRIPES)
 def test_lines_are_at_their_level_between_the_points_too(name, width):
     """As the shader's formula has it, in every triangle without a defect, and of either side of an edge."""
-    edge_phases = STRIPES[name]()
-    lines, polygons = isolines(edge_phases, width), Polygons.of_triangles(edge_phases.mesh)
+    edge_phases, lines = lines_of(name, width)
+    polygons = Polygons.of_triangles(edge_phases.mesh)
     (phase,) = face_phases(edge_phases, polygons)
     numbers, torn = dislocation_numbers(edge_phases, edge_phases.mesh.triangles)
     regular = ~torn[lines.triangles] & (numbers[lines.triangles, 0] == 0)
@@ -244,7 +251,7 @@ def test_lines_are_at_their_level_between_the_points_too(name, width):
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("name", STRIPES)
 def test_lines_never_cross(name, width):
-    lines = isolines(STRIPES[name](), width)
+    _, lines = lines_of(name, width)
     order = np.argsort(lines.triangles, kind="stable")
     order = order[lines.next[order] != order]
     crossings = 0

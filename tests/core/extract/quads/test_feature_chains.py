@@ -28,10 +28,9 @@ SHAPES = [
     pytest.param(plate, 0.08, 1 / 0.22, id="plate"),
     pytest.param(lambda: cylinder(1.0, 2.0, 96, 40), 0.2, 1.0, id="open-cylinder"),
     pytest.param(chamfered_cube, 0.16, 0.0, id="chamfered-cube"),
-    pytest.param(chamfered_cube, 0.1, 0.0, id="chamfered-cube-fine"),
     *(
         pytest.param(lambda share=share: chamfered_cube(16, share * 0.1 / np.sqrt(2)), 0.2, 0.0, id=f"chamfer-{share}")
-        for share in (0.3, 0.45, 0.9)
+        for share in (0.3, 0.9)
     ),
     pytest.param(lambda: cube(20), 0.163, 0.0, id="cube"),
     pytest.param(lambda: double_torus(3), 0.81, 0.0, id="double-torus"),
@@ -42,7 +41,7 @@ SHAPES = [
         0.0,
         id="frame",
     ),
-    *(pytest.param(lambda sides=sides: polygon(sides), 0.26, 0.0, id=f"{sides}-gon") for sides in (3, 5, 6, 8)),
+    *(pytest.param(lambda sides=sides: polygon(sides), 0.26, 0.0, id=f"{sides}-gon") for sides in (3, 5)),
 ]
 
 

@@ -54,8 +54,7 @@ def asked_phase(obj, x, spacings):
     return np.interp(x, values, grown)
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("kind", ["group", "attribute"])
+@pytest.mark.parametrize("way, kind", [("api", "group"), ("operator", "group"), ("command line", "attribute")])
 def test_stripes_are_twice_as_wide_on_one_side(way, kind):
     obj = grid(60)
     x = places(obj)[:, 0]
