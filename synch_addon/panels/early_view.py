@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first result of a job that goes on, drawn over its object, or as lines: nothing of the scene is changed for it."""
+"""The first result of a job that goes on, drawn over its object or as lines; the scene is not changed."""
 
 import bpy
 import gpu
@@ -9,7 +9,6 @@ from ...core.tasks.flows import FilamentPicture
 from ..jobs.queue import queue
 from .overlay_view import nearer
 from .pattern_shader import DrawnPattern
-
 
 # Width of filaments in pixels, and their colour.
 _WIDTH, _COLOR = 2.5, (1.0, 0.45, 0.0, 1.0)
