@@ -91,7 +91,7 @@ lock: $(call each_python,lock-)
 
 lock-%:
 	rm -rf out/lock-$*
-	$(start) tools/environment.py --venv out/lock-$* --versions $* --latest blender batch test docs lint package
+	$(start) tools/environment.py --venv out/lock-$* --versions $* --latest blender batch flows test docs lint package
 	out/lock-$*/bin/python tools/requirements.py --lock
 	rm -rf out/lock-$*
 

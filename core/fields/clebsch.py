@@ -246,11 +246,12 @@ class SphericalMap:
         return np.sum([_solid_angles(first, b, c) for b, c in pairwise(others)], axis=0) / (4 * np.pi)
 
 
-def spherical_map(found: ClebschMap, callback: Callback | None = None) -> SphericalMap:
-    """Solve the relaxation of a map at rank 2, within the rest of its time limit."""
+def spherical_map(found: ClebschMap, callback: Callback | None = None, is_rough: bool = False) -> SphericalMap:
+    """Solve the relaxation of a map at rank 2, within the rest of its time limit; roughly where only filaments are
+    seen from its points."""
     begin = time.perf_counter()
     problem = found.problem
-    coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback)
+    coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback, None, is_rough)
     lifted = np.column_stack([problem.expand(column) for column in coordinates.T])
     energy = sum(problem.connection.energy(column) for column in lifted.T)
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)

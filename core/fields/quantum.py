@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The circulation of one filament, chosen by quick solves on coarser grids."""
 
+from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
 
-from ..errors import MeshError
+from ..errors import MeshError, SettingError
 from ..geometry.grid import Grid
 from ..geometry.surface import Surface
 from ..monitor import Callback, Monitor
@@ -37,12 +38,10 @@ def find_quantum(
     largest: float | None = None,
     seed: int = 0,
     callback: Callback | None = None,
+    show: Callable[[ClebschMap], object] | None = None,
 ) -> float:
     """The largest circulation of a filament, to three digits, with which the filaments carry a share of the vorticity;
     if there is none, the least that the grid can hold. SettingError for a flow without vorticity.
-
-    Returns float, of three digits; the least that the grid can hold where no circulation gives as much. Raises
-    SettingError for a flow without vorticity.
 
     Parameters
     ----------
@@ -50,6 +49,7 @@ def find_quantum(
     count : filaments through one plane of the grid, one way; decides instead of the share
     largest : circulation to try first; None for all that passes the plane with most vorticity
     seed : of the quick solves
+    show : called with the map that was chosen on each grid
     """
     options, monitor = Options(method="coarse", seed=seed), Monitor(callback)
     most = quantum_for(grid, integrals, count or 1)
@@ -61,9 +61,19 @@ def find_quantum(
             monitor.at(f"trying a circulation of {quantum:.3g}", 0.0)
             found = clebsch_map(fine, along, quantum, options, lambda _stage, _fraction: monitor.check())
             if shows_enough(found, min(share + MARGIN, 1), count) and (found.vorticity_share or 0) <= EXCESS:
+                if show is not None:
+                    show(found)
                 break
             quantum = _rounded(STEP * quantum)
     return max(quantum, _rounded(least_quantum(grid, integrals)))
+
+
+def coarse_map(grid: Grid | Surface, integrals: np.ndarray, quantum: float, seed: int = 0) -> ClebschMap | None:
+    """The map of a quick solve on the grid where the search begins; None for a quantum that is too small for it."""
+    coarse, along = _levels(grid, integrals)[-1]
+    with suppress(SettingError):
+        return clebsch_map(coarse, along, quantum, Options(method="coarse", seed=seed))
+    return None
 
 
 def shows_enough(found: ClebschMap, share: float, count: float | None = None) -> bool:

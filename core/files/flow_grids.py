@@ -39,6 +39,8 @@ _SOLIDS, _MASKS = ("solid", "obstacle", "obstacles"), ("mask", "vtkvalidpointmas
 # Names of coordinates along each axis, and by what share their spacings may differ.
 _COORDINATES = (("x", "xcoor", "lon", "longitude"), ("y", "ycoor", "lat", "latitude"), ("z", "zcoor", "lev", "depth"))
 _EVEN = 1e-3
+# Name of the vectors that are sampled on a mesh.
+_SAMPLED = "synch flow"
 _PIP = "install it for Python (pip install synch-fields[flows]), or save the flow as .vti or .npz"
 
 
@@ -312,7 +314,7 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
         raise SettingError("it has several blocks: save one of them")
     if not len(mesh.point_data):
         mesh = mesh.cell_data_to_point_data()
-    chosen, vectors, is_curl, lines = _vectors(path, mesh.point_data, attribute)
+    vectors, is_curl, lines = _vectors(path, mesh.point_data, attribute)
     if isinstance(mesh, pyvista.ImageData | pyvista.RectilinearGrid):
         axes = [np.asarray(axis, float) for axis in (mesh.x, mesh.y, mesh.z)]
         if isinstance(mesh, pyvista.ImageData):
@@ -325,9 +327,11 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
         }
         return _resample_evenly(field, axes, extra, is_curl, lines)
 
+    mesh.point_data[_SAMPLED] = _blank(vectors, mesh.point_data)
+
     def sample(places: np.ndarray) -> np.ndarray:
         found = pyvista.PolyData(places).sample(mesh)
-        values = np.column_stack([np.asarray(found.point_data[name]) for name in chosen]).astype(float)
+        values = np.asarray(found.point_data[_SAMPLED], float)
         values[np.asarray(found.point_data["vtkValidPointMask"]) == 0] = np.nan
         return values
 
@@ -344,19 +348,29 @@ def _by_meshio(path: Path, attribute: str) -> SampledFlow:
     if not data:
         data = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
         points = np.concatenate([mesh.points[block.data].mean(axis=1) for block in mesh.cells])
-    _, vectors, is_curl, warnings = _vectors(path, data, attribute)
-    sample = LinearNDInterpolator(points, vectors)
+    vectors, is_curl, warnings = _vectors(path, data, attribute)
+    sample = LinearNDInterpolator(points, _blank(vectors, data))
     warnings += ("the flow is taken between all points of the mesh: with pyvista installed, its cells bound it",)
     return SampledFlow(points.min(axis=0), points.max(axis=0), sample, is_curl, warnings)
 
 
-def _vectors(path: Path, data: Any, attribute: str) -> tuple[tuple[str, ...], np.ndarray, bool, tuple[str, ...]]:
-    """Names of the chosen arrays of a mesh's points, their (n, 3) numbers, and the rest of :func:`choose_flow`."""
+def _vectors(path: Path, data: Any, attribute: str) -> tuple[np.ndarray, bool, tuple[str, ...]]:
+    """(n, 3) vectors of a mesh's points, and the rest of :func:`choose_flow`."""
     arrays = {name: np.asarray(data[name]) for name in data.keys()}
     whole = [n for n, a in arrays.items() if a.ndim == 2 and a.shape[1] == 3]
     parts = [n for n, a in arrays.items() if a.ndim == 1]
     chosen, is_curl, warnings = choose_flow(path, whole, parts, attribute)
-    return chosen, np.column_stack([arrays[name] for name in chosen]).astype(float), is_curl, warnings
+    return np.column_stack([arrays[name] for name in chosen]).astype(float), is_curl, warnings
+
+
+def _blank(vectors: np.ndarray, data: Any) -> np.ndarray:
+    """(n, 3) vectors of a mesh's points, nan in obstacles and outside masks."""
+    solid = np.zeros(len(vectors), bool)
+    for name in data.keys():
+        if name.lower() in (*_SOLIDS, *_MASKS):
+            values = np.asarray(data[name]).reshape(len(vectors), -1)[:, 0]
+            solid |= (values != 0) if name.lower() in _SOLIDS else (values == 0)
+    return np.where(solid[:, None], np.nan, vectors)
 
 
 def _library(name: str, what: str) -> ModuleType:

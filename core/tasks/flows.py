@@ -25,7 +25,7 @@ from ..fields.clebsch import (
     mean_circulation,
     spherical_map,
 )
-from ..fields.quantum import STEP, find_quantum, least_quantum, shows_enough
+from ..fields.quantum import STEP, coarse_map, find_quantum, least_quantum, shows_enough
 from ..files.flows import ArrayFile
 from ..files.volumes import VolumeFile
 from ..geometry import TriangleMesh
@@ -53,7 +53,7 @@ _MANY_QUANTA = 0.25
 # Nodes above which fields are searched for on a coarse stage: half the time, energies larger by some per mille.
 _COARSE_ROUNDING = 60_000
 # Approximate seconds of a solve for each node, on one core: up to so many nodes, and beyond.
-_NODE_SECONDS, _LARGE_NODE_SECONDS = 3e-4, 1.5e-4
+_NODE_SECONDS, _LARGE_NODE_SECONDS = 2e-4, 1e-4
 # Bytes of a solve for each node with a proved bound, which is tried up to so many nodes, and without; and the most
 # nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
@@ -170,10 +170,12 @@ class FlowResult:
         settings: FlowSettings,
         progress: Callback | None,
         largest: float | None = None,
+        show: Callable[[ClebschMap], object] | None = None,
     ) -> "FlowResult":
         """The maps of a flow with (e,) integrals along the edges; nothing is shown yet.
 
-        ``largest`` is the circulation to try first where one is searched for.
+        ``largest`` is the circulation to try first where one is searched for. ``show`` is called with maps on coarse
+        grids, and with the map to the circle before the one to the sphere is solved for.
         """
         quantum, options = settings.quantum, Options.of(settings)
         if len(grid.masses) > _COARSE_ROUNDING and options.rounding == FlowSettings.rounding:
@@ -181,7 +183,9 @@ class FlowResult:
         more = _MORE_SOLVES if quantum is None else 0
         if quantum is None:
             sought = settings.share, settings.count, largest, settings.seed
-            quantum = find_quantum(grid, integrals, *sought, portion(progress, 0.0, 0.1))
+            quantum = find_quantum(grid, integrals, *sought, portion(progress, 0.0, 0.1), show)
+        elif show is not None and (coarse := coarse_map(grid, integrals, quantum, settings.seed)) is not None:
+            show(coarse)
         found = clebsch_map(grid, integrals, quantum, options, portion(progress, 0.1, 0.35))
         least = least_quantum(grid, integrals)
         for number in range(more):
@@ -189,7 +193,10 @@ class FlowResult:
                 break
             smaller = float(f"{STEP * found.quantum:.3g}")
             found = clebsch_map(grid, integrals, smaller, options, portion(progress, 0.45 + 0.15 * number, 0.15))
-        sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
+        if show is not None:
+            show(found)
+        is_rough = settings.show == "filaments" and isinstance(grid, Grid)
+        sphere = spherical_map(found, portion(progress, 0.8, 0.2), is_rough) if settings.method == "sdp" else None
         return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
 
     def seeing(self, settings: FlowSettings) -> "FlowResult":
@@ -214,6 +221,13 @@ class FlowResult:
 
 
 @dataclass(frozen=True)
+class FilamentPicture:
+    """Filaments to draw: (2 k, 3) float32 ends of segments."""
+
+    places: np.ndarray
+
+
+@dataclass(frozen=True)
 class FlowRequest:
     """Vortices of a flow in space; SettingError for a resolution that shows none."""
 
@@ -230,12 +244,20 @@ class FlowRequest:
 
     def solve(self, progress: Callback | None = None) -> FlowResult:
         """Read, solve and extract; SettingError for an unusable source, Cancelled when ``progress`` returns False."""
+        return self.solve_showing(None, progress)
+
+    def solve_showing(
+        self, show: Callable[[FlowResult], object] | None, progress: Callback | None = None
+    ) -> FlowResult:
+        """:meth:`solve` with intermediate results: filaments on coarse grids, and then those of the whole solve before
+        the map to the sphere; ``show`` is called with each. Tubes need that map: there are none of them alone."""
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
         each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
         progress = _estimate_seconds(progress, each * grid.node_count)
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
-        result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest)
+        early = None if show is None or settings.show == "tubes" else lambda found: show(self._early(found, grid))
+        result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest, early)
         shown = _run_interruptibly(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
         winding = None
         if shown.lines is not None:
@@ -244,6 +266,23 @@ class FlowRequest:
             warnings += tuple(self._about_share(result.found, shown, portion(progress, 0.9, 0.1)))
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
+
+    def _early(self, found: ClebschMap, grid: Grid) -> FlowResult:
+        """The filaments of a map as a result, without the map to the sphere and linking numbers."""
+        shown = showing(found, None, self.settings)
+        coarse = " x ".join(map(str, found.regular_grid.shape))
+        line = f"the solve was ended early: the filaments are those of a coarse grid of {coarse} nodes"
+        warnings = () if found.grid is grid else (line,)
+        return FlowResult(found, None, found, shown, None, (*warnings, *shown.missing))
+
+    def picture(self, result: FlowResult) -> "FilamentPicture":
+        """The picture of an intermediate result."""
+        assert result.shown is not None and result.shown.lines is not None  # see _early
+        pieces = []
+        for line in result.shown.lines:
+            pieces += [line.whole] if self.settings.unwrapped or line.is_loop else line.parts
+        ends = [np.repeat(piece, 2, axis=0)[1:-1] for piece in pieces]
+        return FilamentPicture(np.concatenate([np.empty((0, 3)), *ends]).astype(np.float32))
 
     def _about_core(self, found: ClebschMap) -> Iterator[str]:
         """A warning where cores are too thin for tubes: those of curves are known, others are measured in the flow."""

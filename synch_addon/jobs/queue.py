@@ -68,6 +68,11 @@ class Work:
         self.is_over = not self.solves
 
     @property
+    def obj(self):
+        """The object that the job is for, None where there is none, or no longer."""
+        return None if self.job.link is None else self.job.link.present
+
+    @property
     def age(self):
         """Seconds since its turn came."""
         return time.monotonic() - self._start if self.has_begun else 0.0

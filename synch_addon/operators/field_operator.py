@@ -125,7 +125,7 @@ class BackgroundOperator:
         """The object that errors name vertices of: the one that was read, or that is to be."""
         if self._work is None:
             return context.active_object
-        return None if self._work.job.link is None else self._work.job.link.present
+        return self._work.obj
 
     def _run(self, context):
         manager = context.window_manager
@@ -346,7 +346,7 @@ class SYNCH_OT_cancel(bpy.types.Operator):
 
 
 class SYNCH_OT_keep(bpy.types.Operator):
-    """Stop the solve and keep the pattern that it shows now"""
+    """Stop the solve and keep what it shows now"""
 
     bl_idname = "synch.keep"
     bl_label = "Good Enough"

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first result of a job that goes on, drawn over its object: nothing of the scene is changed for it."""
+"""The first result of a job that goes on, drawn over its object or as lines; the scene is not changed."""
 
 import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
 
+from ...core.tasks.flows import FilamentPicture
 from ..jobs.queue import queue
 from .overlay_view import nearer
 from .pattern_shader import DrawnPattern
 
+# Width of filaments in pixels, and their colour.
+_WIDTH, _COLOR = 2.5, (1.0, 0.45, 0.0, 1.0)
+
 
 class _View:
-    """Draws the picture of the running job, whose triangles go to the graphics card once."""
+    """Draws the picture of the running job, which goes to the graphics card once."""
 
     def __init__(self):
         self._handler = self._picture = self._drawn = None
@@ -30,18 +36,45 @@ class _View:
         if picture is None:
             self._picture = self._drawn = None
             return
-        obj = work.job.link.present
-        if obj is not None and obj.visible_get(view_layer=context.view_layer, viewport=context.space_data):
-            region = context.region_data
-            self.draw_picture(picture, nearer(region) @ region.view_matrix @ obj.matrix_world, region.window_matrix)
-            work.is_seen = True
+        region, link = context.region_data, work.job.link
+        view = nearer(region) @ region.view_matrix
+        if link is not None:
+            obj = link.present
+            if obj is None or not obj.visible_get(view_layer=context.view_layer, viewport=context.space_data):
+                return
+            view = view @ obj.matrix_world
+        self.draw_picture(picture, view, region.window_matrix)
+        work.is_seen = True
 
     def draw_picture(self, picture, view, projection):
         """Draw a picture into the active framebuffer, hidden by what is nearer."""
         if picture is not self._picture:
-            self._drawn = DrawnPattern(picture.places, picture.phases, of_quads=picture.of_quads, covers=True)
+            if isinstance(picture, FilamentPicture):
+                self._drawn = _DrawnFilaments(picture.places)
+            else:
+                self._drawn = DrawnPattern(picture.places, picture.phases, of_quads=picture.of_quads, covers=True)
             self._picture = picture
         self._drawn.draw(view, projection)
+
+
+class _DrawnFilaments:
+    """Filaments on the graphics card, of (2 k, 3) ends of segments."""
+
+    def __init__(self, places):
+        self._shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+        self._batch = batch_for_shader(self._shader, "LINES", {"pos": places})
+
+    def draw(self, view, projection):
+        """Draw into the active framebuffer, hidden by what is nearer; the matrices as of :class:`DrawnPattern`."""
+        gpu.state.depth_test_set("LESS_EQUAL")
+        with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+            gpu.matrix.load_matrix(view)
+            gpu.matrix.load_projection_matrix(projection)
+            self._shader.uniform_float("color", _COLOR)
+            self._shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+            self._shader.uniform_float("lineWidth", _WIDTH * bpy.context.preferences.system.pixel_size)
+            self._batch.draw(self._shader)
+        gpu.state.depth_test_set("NONE")
 
 
 view = _View()

@@ -125,7 +125,7 @@ def draw_guide(column, settings, obj):
 def draw_main(layout, obj):
     """What is made, the button that makes it or how far it is, and what an artist sets first."""
     simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
-    work = next((work for work in queue.works if not work.is_quiet and _object_of(work) == obj), None)
+    work = next((work for work in queue.works if not work.is_quiet and work.obj == obj), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
     button.scale_y = 1.3
@@ -226,11 +226,6 @@ def draw_shape(layout, obj):
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
 
 
-def _object_of(work):
-    """The object that a job is for, None where there is none."""
-    return None if work.job.link is None else work.job.link.present
-
-
 def draw_work(bar, row, work):
     """How far a job is, and the buttons that end it, which stand where those that begin one do."""
     bar.progress(factor=work.fraction, text=f"{work.fraction:.0%}  {work.times}" if work.has_begun else work.line)
@@ -243,9 +238,9 @@ def draw_work(bar, row, work):
 def draw_others(layout, obj):
     """The jobs that are not of an object, below all that could move for them."""
     heard = [work for work in queue.works if not work.is_quiet]
-    others = [work for work in heard if obj is None or _object_of(work) != obj]
+    others = [work for work in heard if obj is None or work.obj != obj]
     for work in others[:SHOWN_JOBS]:
-        label, of = translate(work.label), _object_of(work)
+        label, of = translate(work.label), work.obj
         box = layout.box().column(align=True)
         box.label(text=label if of is None else f"{label}: {of.name}", translate=False)
         draw_work(box.row(), box.row(align=True), work)

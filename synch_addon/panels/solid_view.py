@@ -65,7 +65,7 @@ def shown_objects(context):
     for obj in context.visible_objects:
         if obj.type != "MESH" or obj.mode == "EDIT" or obj.display_type not in {"SOLID", "TEXTURED"}:
             continue
-        hidden = running is not None and running.picture is not None and running.job.link.present == obj
+        hidden = running is not None and running.picture is not None and running.obj == obj
         if not hidden and pattern_kind(obj) is not None:
             yield obj
 

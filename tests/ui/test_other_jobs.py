@@ -52,3 +52,21 @@ def test_a_job_runs_from_its_panel_and_is_undone(name, panel, keep):
     panel.move((700, 500))
     panel.press("Z", ctrl=True)
     panel.until(f"not ({made})")
+
+
+def filament_pixels(picture):
+    """How many pixels have the orange of filaments that are drawn before the end of their solve."""
+    red, green, blue = (picture[..., channel].astype(int) for channel in range(3))
+    return ((red > 200) & (green > 80) & (green < 160) & (blue < 80)).sum()
+
+
+def test_filaments_are_drawn_long_before_the_end_and_go_with_the_job(panel, keep):
+    panel.run(CIRCLE + "bpy.context.scene.synch_vortices.resolution = 120")
+    panel.run("queue = part('jobs.queue').queue")
+    in_view = "with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area(), "
+    panel.run(in_view + "region=window_region()):\n    bpy.ops.synch.clebsch('INVOKE_DEFAULT')")
+    panel.run("active().hide_set(True)")
+    panel.until("queue.running.picture is not None")
+    keep("first_filaments", panel.wait_to_see(lambda picture: filament_pixels(picture) > 100, "WINDOW"))
+    panel.run("queue.cancel(queue.running)")
+    panel.wait_to_see(lambda picture: filament_pixels(picture) == 0, "WINDOW")

@@ -18,9 +18,11 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows import memory
 from synch_fields.synch_addon.flows.job import job_for
 from synch_fields.synch_addon.flows.objects import make_filaments
+from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.nodes.vortices import filaments_group, tubes_group
+from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
-from ..event_loop import by_the_worker
+from ..event_loop import Recorded, begun, by_the_worker
 from ..scenes import snapshot
 from ..vortex_scenes import QUICK, RADIUS, points_of, write_npz
 
@@ -218,6 +220,34 @@ def test_a_cancelled_job_stops_and_writes_nothing(ring, stage):
         job.request.solve(cancel)
     assert stage in seen[-1][0] and time.perf_counter() - start < 60
     assert snapshot() == before
+
+
+class Vortices(Recorded, BackgroundOperator):
+    """The operator as the window runs it for the selected curves, without being one of Blender's."""
+
+    bl_label = "Vortices"
+
+    def _job(self, context):
+        return job_for(bpy.context.active_object, FlowSettings(resolution=32))
+
+    def _headline(self, report):
+        return report["object"]
+
+
+def test_the_window_shows_filaments_of_a_coarse_grid_at_once_and_escape_keeps_them():
+    bpy.ops.curve.primitive_bezier_circle_add()
+    before = snapshot()
+    loop, operator = begun(Vortices())
+    work = queue.running
+    loop.run(operator, until=lambda: work.picture is not None)
+    assert snapshot() == before and work.obj is None and work.fraction < 0.5
+    loop.send(operator, "ESC", "PRESS")
+    assert loop.run(operator) == {"FINISHED"} and loop.free
+    made = bpy.context.active_object
+    np.testing.assert_allclose(points_of(made), work.picture.places[::2], atol=1e-6)
+    assert np.linalg.norm(points_of(made)[:, :2], axis=1) == pytest.approx(1, abs=0.1)
+    assert any(kind == {"WARNING"} and "ended early" in text for kind, text in operator.reports)
+    assert made.synch_vortices.figures["filaments"] == 1 and not memory.flows.holds(made)
 
 
 def test_progress_grows(ring):

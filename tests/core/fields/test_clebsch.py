@@ -247,6 +247,16 @@ def test_the_sphere_takes_no_more_time_than_the_limit_leaves_nor_than_the_gap_ne
     assert late.energy > sphere.energy and late.seconds < sphere.seconds
 
 
+def test_a_rough_sphere_is_nearly_as_good_and_shows_the_same_vortices():
+    found = rankine(4)
+    rough, fine = spherical_map(found, is_rough=True), spherical_map(found)
+    assert found.solution.lower_bound * (1 - 1e-6) <= rough.energy <= 1.02 * fine.energy
+    np.testing.assert_allclose(np.linalg.norm(rough.lifted, axis=1), 1, atol=1e-12)
+    for point in ([1, 0, 0], [0, 0, 1]):
+        counts = [np.abs(sphere.seen_from(point).face_numbers).sum() for sphere in (rough, fine)]
+        assert abs(counts[0] - counts[1]) <= 1 and min(counts) >= 2
+
+
 def test_a_projection_is_that_of_the_lifted_rows():
     sphere = spherical_map(rankine(2, 20))
     seen = sphere.seen_from([0, 0, 1])

@@ -189,6 +189,23 @@ def test_flows_on_other_meshes_are_sampled(tmp_path, library, suffix, monkeypatc
     assert np.isfinite(flow.integrals(grid)).all()
 
 
+@pytest.mark.parametrize(("library", "name", "solid"), [("pyvista", "Mask", 0), ("meshio", "obstacle", 1)])
+def test_masks_of_meshes_are_solid_where_these_are_sampled(tmp_path, library, name, solid, monkeypatch):
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.ImageData(dimensions=(9, 9, 9), spacing=(0.25,) * 3, origin=(-1,) * 3).cast_to_unstructured_grid()
+    mesh.point_data["velocity"] = np.cross([0, 0, 1], mesh.points)
+    inside = np.linalg.norm(mesh.points, axis=1) < 0.6
+    mesh.point_data[name] = np.where(inside, solid, 1 - solid)
+    mesh.save(tmp_path / "flow.vtu")
+    if library == "meshio":
+        pytest.importorskip("meshio")
+        monkeypatch.setitem(__import__("sys").modules, "pyvista", None)
+    grid = flow_file(tmp_path / "flow.vtu").read().grid(17)
+    distance = np.linalg.norm(grid.places, axis=1)
+    is_solid = grid.solid.ravel()
+    assert is_solid[distance < 0.55].all() and not is_solid[distance > 0.6 + 0.25 * 3**0.5].any()
+
+
 def test_what_a_missing_library_would_read_says_so(tmp_path, monkeypatch):
     for name in ("pyvista", "meshio", "h5py"):
         monkeypatch.setitem(__import__("sys").modules, name, None)

@@ -4,6 +4,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import Grid, box_grid
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
+from synch_fields.core.tasks import flows
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
 from synch_fields.core.tasks.flows import FlowRequest, check_grid, showing
 
@@ -145,11 +147,13 @@ def test_tubes_that_are_blobs_and_filaments_of_a_cell_are_told(ring_file):
     assert found.shown.tubes.blobs or wide.shown.tubes.blobs
 
 
-def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file):
+def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file, monkeypatch):
     told = []
+    # Time stands still, so that the estimate is the first one wherever the test runs.
+    monkeypatch.setattr(flows, "time", SimpleNamespace(perf_counter=lambda: 0.0))
     FlowRequest(ring_file(), FlowSettings(target_gap=0.1)).solve(lambda *stage: told.append(stage) or True)
     stages, fractions = zip(*told, strict=True)
-    assert next(stage for stage in stages if stage != "flow").endswith("about 2 s left")  # 18^3 nodes
+    assert next(stage for stage in stages if stage != "flow").endswith("about 1 s left")  # 18^3 nodes
     assert list(fractions) == sorted(fractions)
 
 
@@ -220,3 +224,24 @@ def test_a_point_is_numbers_and_cores_are_wider_where_tubes_are_shown():
     assert FlowSettings(point=[1, 0, 0]).point == (1.0, 0.0, 0.0)
     assert [FlowSettings(show=show).core_cells for show in ("filaments", "tubes")] == [0.5, 2.0]
     assert FlowSettings(core=3.0).core_cells == 3.0
+
+
+@pytest.mark.parametrize("quantum", [None, 0.5])
+def test_filaments_of_a_coarse_grid_are_shown_first_and_those_of_the_result_before_its_sphere(ring_file, quantum):
+    request, shown = FlowRequest(ring_file(), FlowSettings(seed=1, quantum=quantum)), []
+    result = request.solve_showing(shown.append)
+    first, *_, last = shown
+    assert max(first.found.grid.shape) == NODES // 2 and "ended early" in first.warnings[0]
+    assert first.shown.lines and all(distance(line.points) < 6 for line in first.shown.lines)
+    assert last.found is result.found and last.sphere is None and last.warnings == ()
+    # Their picture has a segment from each point to the next one, closed.
+    ends = request.picture(last).places.reshape(-1, 2, 3)
+    points = np.concatenate([line.points for line in last.shown.lines])
+    np.testing.assert_allclose(ends[:, 0], points, atol=1e-6)
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max() < 2 * last.found.grid.spacing.max()
+
+
+def test_tubes_alone_have_nothing_to_show_first(ring_file):
+    shown = []
+    FlowRequest(ring_file(), FlowSettings(**QUICK | {"show": "tubes"}, quantum=0.5)).solve_showing(shown.append)
+    assert shown == []
