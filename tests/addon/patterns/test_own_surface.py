@@ -210,6 +210,23 @@ def test_triangles_that_are_apart_are_joined_and_counted():
     assert any("Mesh > Merge > By Distance" in line for line in report["warnings"])
 
 
+def test_a_fine_grid_beside_a_finer_one_is_closed_where_vertices_lie_on_its_edges():
+    coarse, fine = (np.arange(n + 1) / n for n in (10, 20))
+    places, faces = [], []
+    for left, steps in ((0.0, coarse), (1.0, fine)):
+        count = len(steps)
+        x, y = np.meshgrid(left + steps, steps, indexing="ij")
+        numbers = np.arange(count**2).reshape(count, count) + sum(map(len, places))
+        places.append(np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]))
+        faces.append(
+            np.stack([numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]], -1).reshape(-1, 4)
+        )
+    obj = add_object(np.concatenate(places), np.concatenate(faces))
+    report = api.stripes(obj, spacing=0.3)
+    assert report["surface"]["joined"] == 11 + 10
+    assert report["euler_characteristic"] == 1
+
+
 def test_a_spacing_that_would_take_too_many_faces_is_refused_with_one_that_works():
     obj = cube()
     with pytest.raises(SettingError, match=r"too fine for this mesh: use one from [0-9.]+ on"):
