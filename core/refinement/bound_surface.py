@@ -2,7 +2,7 @@
 """A finer copy of a mesh, with the places of its vertices, faces and corners on the original."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,9 +11,9 @@ from ..errors import SettingError
 from ..geometry.mesh_input import ObjectMesh
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
-from ..geometry.welding import welded_vertices
+from ..geometry.welding import boundary_splits, find_slivers, welded_vertices
 from ..graphs import ragged_arange
-from .division import Division, divide, whole_division
+from .division import Division, divide, split_at, whole_division
 from .mirroring import Reflection, add_reflection, cut_at_plane, find_positive_side, snap_to_planes
 
 # Most triangles of a finer copy: solves on more would take minutes and gigabytes.
@@ -55,7 +55,7 @@ class BoundSurface:
     face_source : (f,) face of the object, ascending
     corner_parents, corner_weights : (c, 3) corners of that face, and their weights, which sum to 1
     edge_vertices, edge_source : (e, 2) edges on edges of the object, and (e,) these, one row for each that was joined
-    welded : number of vertices of the object that were joined with others
+    welded : number of vertices of the object that were joined with others, or with edges that they are on
     """
 
     vertices: np.ndarray
@@ -72,7 +72,8 @@ class BoundSurface:
 
 
 def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[int] = ()) -> BoundSurface:
-    """Refine a mesh until no edge is longer than a limit, after joining boundary vertices at the same place.
+    """Refine a mesh until no edge is longer than a limit, after joining boundary vertices with others at the same place
+    and with edges that they are on.
 
     Faces without longer edges are kept. Faces without finite coordinates, triangles whose corners were joined, and
     loose elements are left out. Raises TooFineError if there would be too many triangles; AsymmetryError for a mesh
@@ -87,13 +88,14 @@ def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[in
     vertices, places, starts = read.vertices, read.places, read.polygons.starts
     corner_vertices, triangle_corners = read.polygons.corner_vertices, read.polygons.triangle_corners
     edges = np.asarray(edges, int).reshape(-1, 2)
-    own = welded_vertices(places, corner_vertices[triangle_corners])
-    joined = own[corner_vertices]
-    usable = _find_usable(places, joined[triangle_corners])
+    has_area = ~find_slivers(places, corner_vertices[triangle_corners])
+    own = welded_vertices(places, corner_vertices[triangle_corners[has_area]])
+    usable = has_area & _find_usable(places, own[corner_vertices[triangle_corners]])
     corners = triangle_corners[usable]
     sides = _label_sides(edges, corner_vertices[corners], len(vertices))
     faces = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(corner_vertices)))
-    whole = whole_division(places, joined[corners], sides)
+    whole, own, split = _close_edges(whole_division(places, own[corner_vertices[corners]], sides), own)
+    joined = own[corner_vertices]
     if not axes or len(corners) == 0:
         division = _divide(whole, longest)
         parents = corners[division.source]
@@ -103,8 +105,24 @@ def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[in
         reflections = [Reflection.of(mesh, polygons, own[edges], axis) for axis in axes]
         division, parents = _divide_symmetrically(whole, corners, reflections, longest)
     kept = _find_kept(division, parents, faces, corners, triangle_corners, usable)
-    joins = int((own != np.arange(len(own))).sum())
+    joins = int((own != np.arange(len(own))).sum()) + split
     return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
+
+
+def _close_edges(whole: Division, own: np.ndarray) -> tuple[Division, np.ndarray, int]:
+    """Join boundary edges with the vertices that are on them.
+
+    Also returns (n,) ``own``, the vertex that represents each given one, and the number of points at which edges were
+    split.
+    """
+    halves, vertices, shares = boundary_splits(whole.vertices, whole.triangles)
+    if len(halves) == 0:
+        return whole, own, 0
+    whole = split_at(whole, halves, whole.vertices[vertices], shares)
+    joined = welded_vertices(whole.vertices, whole.triangles)
+    triangles = joined[whole.triangles]
+    whole = replace(whole, triangles=triangles)[_find_usable(whole.vertices, triangles)]
+    return whole, joined[own], len(halves)
 
 
 def _make_polygons(starts: np.ndarray, corner_vertices: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> Polygons:
@@ -204,7 +222,9 @@ def _build_surface(
     # A parent without weight may be anywhere, even not finite.
     heaviest = np.take_along_axis(parents, weights.argmax(axis=1)[:, None], axis=1)
     parents = np.where(weights > 0, parents, heaviest)
-    used, where, numbers = np.unique(names, return_index=True, return_inverse=True)
+    used, numbers = np.unique(names, return_inverse=True)
+    is_between = weights.max(axis=1) < 1  # a given vertex may also be on an edge that was split there
+    where = np.lexsort((is_between, names))[np.searchsorted(np.sort(names), used)]
     vertex_parents = joined[parents[where]]
     ends = np.stack([division.triangles, np.roll(division.triangles, -1, axis=1)], axis=2)[division.sides >= 0]
     lines = np.unique(np.column_stack([np.sort(ends, axis=1), division.sides[division.sides >= 0]]), axis=0)

@@ -2,10 +2,12 @@
 """Division of triangles at the midpoints of long edges, until no edge is longer than a limit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import combinations
 
 import numpy as np
+
+from ..graphs import ragged_arange
 
 # Points 0 to 2 are the corners of a triangle, 3 to 5 the midpoints of its edges from corner k to corner k + 1; the
 # first edge is the longest of those that are divided. The keys are whether the second and third edge are divided, and
@@ -124,6 +126,37 @@ def whole_division(vertices: np.ndarray, triangles: np.ndarray, sides: np.ndarra
     """Build the :class:`Division` of whole triangles; ``sides`` label edges from corner k to corner k + 1, (m, 3)."""
     weights = np.broadcast_to(np.eye(3), (len(triangles), 3, 3))
     return Division(vertices, triangles, np.arange(len(triangles)), weights, sides)
+
+
+def split_at(whole: Division, halves: np.ndarray, places: np.ndarray, shares: np.ndarray) -> Division:
+    """Split triangles at points on their edges, each of which becomes a vertex of its own, in fans.
+
+    Parameters
+    ----------
+    halves : (s,) ascending, 3 t + k for a point on the edge from corner k of triangle t to the next
+    places : (s, 3) of the points
+    shares : (s,) of the edge's length, from corner k to the point, ascending on each edge
+    """
+    count = 3 * len(whole.triangles)
+    faces = replace(whole.faces, sides=np.arange(count).reshape(-1, 3))
+    points, first = np.bincount(halves, minlength=count), np.searchsorted(halves, np.arange(count))
+    for k in range(3):
+        split = (faces.sides >= 0) & (faces.sides % 3 == k) & (points[faces.sides] > 0)
+        rows = split.any(axis=1)
+        turned = faces[rows].turned(split[rows].argmax(axis=1))
+        owner, step = ragged_arange(points[turned.sides[:, 0]] + 1)
+        fan, own = turned[owner], first[turned.sides[owner, 0]] + step
+        begins, ends = step > 0, step < points[fan.sides[:, 0]]
+        corners, weights, sides = fan.corners.copy(), fan.weights.copy(), fan.sides.copy()
+        for corner, moved, at in ((0, begins, own - 1), (1, ends, own)):
+            share = shares[at[moved], None]
+            corners[moved, corner] = len(whole.vertices) + at[moved]
+            weights[moved, corner] = (1 - share) * fan.weights[moved, 0] + share * fan.weights[moved, 1]
+        sides[ends, 1], sides[begins, 2] = -1, -1
+        faces = join_faces([faces[~rows], Faces(corners, fan.source, weights, sides)], 3)
+    labels = np.where(faces.sides < 0, -1, whole.sides.ravel()[faces.sides])
+    order = np.argsort(faces.source, kind="stable")
+    return replace(faces, sides=labels)[order].division(np.concatenate([whole.vertices, places]))
 
 
 def divide(whole: Division, longest: float, most: int) -> Division | None:

@@ -8,7 +8,7 @@ from ..errors import SettingError
 from ..geometry.check import refuse_far_vertices
 from ..geometry.mesh_input import MeshInput, ObjectMesh
 from ..geometry.triangle_mesh import TriangleMesh
-from ..geometry.welding import welded_vertices
+from ..geometry.welding import boundary_splits, welded_vertices
 from ..settings.surface import QUADS as QUAD_COMMANDS
 from ..settings.surface import SurfaceSettings
 from .bound_surface import BoundSurface, TooFineError, refine
@@ -120,6 +120,8 @@ def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: 
         return False
     if len(uncut.boundary_edges) == 0:
         return True
+    if len(boundary_splits(uncut.vertices, uncut.triangles)[0]):
+        return False
     return bool((welded_vertices(uncut.vertices, uncut.triangles) == np.arange(uncut.vertex_count)).all())
 
 

@@ -56,9 +56,12 @@ def _carry_attributes(source, made, bound):
     for attribute in list(source.data.attributes):
         name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
         is_pattern = name.startswith(schema.PREFIX) and name != _DIRECTION
-        values = (
-            None if is_pattern or name[0] == "." or name in _MADE_ANEW else attributes.read_values(source, name, domain)
-        )
+        if is_pattern or name[0] == "." or name in _MADE_ANEW:
+            continue
+        if data_type == "STRING":
+            values = np.array([element.value for element in attribute.data], object)
+        else:
+            values = attributes.read_values(source, name, domain)
         if values is None:
             continue
         if domain == "FACE":
@@ -69,7 +72,11 @@ def _carry_attributes(source, made, bound):
             of_corners = domain == "CORNER"
             parents = bound.corner_parents if of_corners else bound.parents
             values = _mean(values, parents, bound.corner_weights if of_corners else bound.weights, name)
-        attributes.write_attribute(made, name, domain, data_type, values)
+        if data_type == "STRING":
+            for element, value in zip(made.data.attributes.new(name, data_type, domain).data, values, strict=True):
+                element.value = value
+        else:
+            attributes.write_attribute(made, name, domain, data_type, values)
     attributes.show_same_maps(source, made)
 
 
@@ -94,8 +101,9 @@ def _ends(obj):
 
 
 def _at_edges(values, edges, count):
-    """Values at all edges of a mesh: zero inside faces of the source; where edges were joined, marked if one was."""
-    result = np.zeros((count, *values.shape[1:]), values.dtype)
+    """Values at all edges of a mesh: zero, or no text, inside faces of the source; where edges were joined, marked if
+    one was."""
+    result = np.full((count, *values.shape[1:]), b"" if values.dtype == object else 0, values.dtype)
     if values.dtype == bool:
         result[edges[values]] = True
     else:

@@ -73,8 +73,8 @@ class Report:
             self.surface = refinement.figures
             if refinement.bound.welded:
                 self.warn(
-                    f"{refinement.bound.welded} vertices at the places of others count as joined with them: join them "
-                    "with Mesh > Merge > By Distance"
+                    f"{refinement.bound.welded} vertices at the places of others, or on edges of other faces, count as "
+                    "joined with these: Mesh > Merge > By Distance joins the former"
                 )
         elif self.command != "animate":  # which reads the mesh behind its modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")

@@ -210,11 +210,32 @@ def test_triangles_that_are_apart_are_joined_and_counted():
     assert any("Mesh > Merge > By Distance" in line for line in report["warnings"])
 
 
+def test_a_fine_grid_beside_a_finer_one_is_closed_where_vertices_lie_on_its_edges():
+    coarse, fine = (np.arange(n + 1) / n for n in (10, 20))
+    places, faces = [], []
+    for left, steps in ((0.0, coarse), (1.0, fine)):
+        count = len(steps)
+        x, y = np.meshgrid(left + steps, steps, indexing="ij")
+        numbers = np.arange(count**2).reshape(count, count) + sum(map(len, places))
+        places.append(np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]))
+        faces.append(
+            np.stack([numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]], -1).reshape(-1, 4)
+        )
+    obj = add_object(np.concatenate(places), np.concatenate(faces))
+    report = api.stripes(obj, spacing=0.3)
+    assert report["surface"]["joined"] == 11 + 10
+    assert report["euler_characteristic"] == 1
+
+
 def test_a_spacing_that_would_take_too_many_faces_is_refused_with_one_that_works():
     obj = cube()
     with pytest.raises(SettingError, match=r"too fine for this mesh: use one from [0-9.]+ on"):
         api.stripes(obj, spacing=0.004)
     assert surface_of(obj) == obj and not obj.modifiers
+
+
+def texts_of(obj, name):
+    return [element.value for element in obj.data.attributes[name].data]
 
 
 def test_groups_marks_maps_and_attributes_go_over():
@@ -227,6 +248,9 @@ def test_groups_marks_maps_and_attributes_go_over():
     mesh.attributes.new("height", "FLOAT", "POINT").data.foreach_set("value", attribute(obj, "position")[:, 2])
     mesh.attributes.new("number", "INT", "FACE").data.foreach_set("value", np.arange(6, dtype=np.int32))
     mesh.attributes.new("uv_seam", "BOOLEAN", "EDGE").data.foreach_set("value", [True] + [False] * 11)
+    for domain, texts in (("FACE", "abcdef"), ("EDGE", "a" * 12), ("POINT", "abcdefgh")):
+        for element, text in zip(mesh.attributes.new(domain.lower(), "STRING", domain).data, texts, strict=True):
+            element.value = text.encode()
     for axis, name in enumerate(("right", "back", "top")):
         add_group(obj, name, np.flatnonzero(attribute(obj, "position")[:, axis] > 0))
     api.stripes(obj, spacing=0.4)
@@ -242,6 +266,9 @@ def test_groups_marks_maps_and_attributes_go_over():
     for number, polygon in enumerate(mesh.polygons):
         off = np.abs((centres[numbers == number] - np.array(polygon.center)) @ np.array(polygon.normal))
         assert off.max() < 1e-6 and (slots[numbers == number] == polygon.material_index).all()
+    assert texts_of(surface, "face") == [b"abcdef"[number : number + 1] for number in numbers]
+    assert texts_of(surface, "point")[:8] == texts_of(obj, "point")
+    assert set(texts_of(surface, "edge")) == {b"", b"a"}
     seam = attribute(surface, "uv_seam")
     ends = np.array([edge.vertices[:] for edge in surface.data.edges])[seam]
     assert np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1).sum() == pytest.approx(2)

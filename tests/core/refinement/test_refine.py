@@ -107,6 +107,55 @@ def test_closed_bodies_that_touch_are_not_joined():
     assert bound.welded == 0 and len(bound.vertices) == 16
 
 
+def side_of_cube(axis, end, parts):
+    """Corners of the squares that a side of the cube is divided into, (parts², 4, 3), with normals to the outside."""
+    steps = np.arange(parts) / parts
+    squares = (np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 1, 2)) + CUBE[[0, 2, 6, 4], :2] / parts
+    squares = np.insert(squares, 2, end, axis=2)
+    return np.roll(squares if end == 0 else squares[:, ::-1], axis, axis=2)
+
+
+@pytest.mark.parametrize("longest", [0.3, 2.0])
+@pytest.mark.parametrize("share_vertices", [True, False])
+def test_vertices_on_edges_of_other_faces_close_the_surface(longest, share_vertices):
+    sides = [side_of_cube(axis, end, 1 + 2 * axis + end) for axis in range(3) for end in range(2)]
+    places = np.concatenate(sides).reshape(-1, 3)
+    faces = np.arange(len(places)).reshape(-1, 4)
+    if share_vertices:
+        places, numbers = np.unique(places.round(9), axis=0, return_inverse=True)
+        faces = numbers.reshape(faces.shape)
+    bound = refined(places, faces, longest)
+    sizes = np.diff(bound.starts, append=len(bound.corner_vertices))
+    polygons = np.split(bound.corner_vertices, bound.starts[1:])
+    mesh = TriangleMesh(bound.vertices, [face[[0, k - 1, k]] for face in polygons for k in range(2, len(face))])
+    check_mesh(mesh)
+    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == 2 and set(sizes) <= {3, 4}
+    assert mesh.areas.sum() == pytest.approx(6)
+    assert bound.welded > 0
+    at_corners = np.einsum("ck,ckx->cx", bound.corner_weights, places[faces.ravel()[bound.corner_parents]])
+    np.testing.assert_allclose(at_corners, bound.vertices[bound.corner_vertices], atol=1e-8)
+
+
+def test_slivers_between_vertices_on_a_line_leave_no_gap():
+    triangles = QUADS[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    on_edge = np.array([[1e-9, 1e-9, 1 / 3], [1e-9, 1e-9, 2 / 3]])  # from vertex 0 to vertex 1
+    whole = (np.sort(triangles) == [0, 1, 5]).all(axis=1)
+    assert whole.sum() == 1
+    fans = [[8, 0, 5], [9, 8, 5], [1, 9, 5], [0, 8, 1], [8, 9, 1]]
+    mesh = as_mesh(refined(np.concatenate([CUBE, on_edge]), np.concatenate([triangles[~whole], fans]), 0.1))
+    check_mesh(mesh)
+    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == 2
+    assert mesh.areas.sum() == pytest.approx(6)
+    assert mesh.areas.min() > 1e-5
+
+
+def test_vertices_on_edges_that_close_nothing_split_nothing():
+    sheet = [[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0], [2, 0, 0], [1, -1, 0], [3, -1, 0]]
+    needle = [[0, 5, 0], [4, 5, 0], [2, 5 + 2e-5, 0]]
+    bound = refined(sheet + needle, [[0, 1, 2], [0, 2, 3], [4, 5, 6], [7, 8, 9]], 9.0)
+    assert bound.welded == 0 and len(bound.starts) == 4 and len(bound.vertices) == 10
+
+
 def test_a_hole_stays_open_where_nothing_lies_on_its_other_side():
     bound = refined(CUBE, QUADS[:5], 0.3)
     assert bound.welded == 0

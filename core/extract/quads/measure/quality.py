@@ -5,6 +5,9 @@ import numpy as np
 
 from ..trace.quad_mesh import QuadMesh
 
+# A corner may turn so many degrees beyond 180 and still be straight: its vertex lies on a boundary.
+STRAIGHT = 0.5
+
 
 def quality(quads: QuadMesh) -> dict[str, float]:
     """Figures of a quad mesh as plain numbers, angles in degrees.
@@ -49,8 +52,9 @@ def _sides(quads: QuadMesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _is_folded(quads: QuadMesh) -> np.ndarray:
-    """(f,) bool: faces with a corner whose normal is opposed to the face's."""
-    return np.bincount(quads.corner_faces[_looks_away(quads)], minlength=len(quads.sizes)) > 0
+    """(f,) bool: faces with a corner whose normal is opposed to the face's, straight ones left out."""
+    turned = corner_angles(quads) > 180 + STRAIGHT
+    return np.bincount(quads.corner_faces[turned], minlength=len(quads.sizes)) > 0
 
 
 def _looks_away(quads: QuadMesh) -> np.ndarray:

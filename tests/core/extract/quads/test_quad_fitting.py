@@ -9,7 +9,7 @@ from synch_fields.core.extract.quads.features.chains import follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
 from synch_fields.core.extract.quads.smooth.fitting import fit_quads, project_vertices
-from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
+from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 
 from ...flat_crosses import plane_edge_phases
 from ...meshes import square
@@ -46,6 +46,14 @@ def test_squares_come_back_and_the_rim_stays():
     np.testing.assert_array_equal(after.vertices[~inside], quads.vertices[~inside])
     assert np.abs(corner_angles(after) - 90).max() < 0.1 * np.abs(corner_angles(rough) - 90).max()
     assert np.linalg.norm(after.vertices - quads.vertices, axis=1).max() < 0.05 / CELLS
+
+
+@pytest.mark.parametrize(("beyond", "folds"), [(0.0, 0), (1e-9, 0), (0.02, 1)])
+def test_a_corner_on_a_straight_side_is_not_folded(beyond, folds):
+    middle = np.array([1.0, beyond, 0.0])
+    places = np.array([[0, 0, 0], middle, [2, 0, 0], [1, 3, 0]])
+    quad = QuadMesh(places, np.zeros(4, int), np.zeros((4, 3)), np.arange(4), np.array([4]))
+    assert quality(quad)["folds"] == folds
 
 
 @pytest.mark.parametrize("far", [1.3, 1.8])
