@@ -97,8 +97,7 @@ class FeatureLines:
         return begins[steps[best]] + shares[best] * lengths[steps[best]], least
 
     def at(self, numbers: int | np.ndarray, ways: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(p, 3) points at (p,) positions along a line, or (p,) lines, their triangles and (p, 3) barycentric weights.
-        """
+        """(p, 3) points at (p,) positions along a line, or (p,) lines, their triangles and (p, 3) weights in these."""
         numbers = np.broadcast_to(numbers, len(ways))
         ends, along, begins, lengths = self._steps
         # One after the other, with gaps between them, all lines have ascending positions.
