@@ -43,10 +43,7 @@ def after_turns(phases: np.ndarray, turns: ArrayLike) -> np.ndarray:
     phases : (..., k) radians, or growth rates
     turns : (...,) int
     """
-    count = phases.shape[-1]
-    if count == 1:
-        return np.where(np.asarray(turns)[..., None] % 2 == 1, -phases, phases)
-    directions = (np.arange(count) + np.asarray(turns)[..., None]) % (2 * count)
-    shape = np.broadcast_shapes(phases.shape, directions.shape)
-    taken = np.take_along_axis(np.broadcast_to(phases, shape), np.broadcast_to(directions % count, shape), axis=-1)
-    return np.where(directions < count, taken, -taken)
+    count, steps = phases.shape[-1], np.asarray(turns, int)[..., None]
+    taken = phases if count == 1 else np.where(steps & 1, phases[..., ::-1], phases)
+    # Directions from k to 2 k - 1 are reverse; k is 1 or 2, so that this is one bit of their number.
+    return np.where((steps + np.arange(count)) & count, -taken, taken)

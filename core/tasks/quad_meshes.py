@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
-# Corrections of a pattern with dislocations.
+# Most corrections of a pattern with dislocations.
 CORRECTIONS = 3
 # Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
 FEW = 300
@@ -194,15 +194,16 @@ def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callb
 
 
 def _settle(draft: _Draft) -> _Draft:
-    """The draft of a first field with as few dislocations as a few corrections reach."""
-    best = draft
+    """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
     for _ in range(CORRECTIONS):
         if draft.request.options.method != FIRST or not draft.dislocations:
             break
         pattern = untangle(draft.result.pattern, draft.request.options)
-        draft = replace(draft, result=replace(draft.result, pattern=pattern))
-        best = min(best, draft, key=lambda draft: draft.dislocations)
-    return best
+        corrected = replace(draft, result=replace(draft.result, pattern=pattern))
+        if corrected.dislocations >= draft.dislocations:
+            break
+        draft = corrected
+    return draft
 
 
 def _close(draft: _Draft, progress: Callback | None) -> _Draft:

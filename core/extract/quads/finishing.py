@@ -56,11 +56,12 @@ def finish_quads(
     features, chains = _feature_lines(mesh, rows), None
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
+    followed = quads
     if only_quads:
         quads = all_quads(quads, mesh, [] if chains is None else chains.edges(quads))
     for unit in units:
         quads = mirror_half(quads, mesh, unit)
-    if features is not None:
+    if features is not None and quads is not followed:
         quads, chains = follow_features(quads, features)
     if only_quads and not units and (quads.sizes == 4).all():  # halves would be collapsed in different ways
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
@@ -82,8 +83,7 @@ def finish_quads(
     if not units:  # edges of the two halves would be flipped in different ways
         edges, _ = quads.edges
         keep = edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
-        flipped = flip_edges(quads, mesh.face_normals[quads.triangles], keep)
-        quads = move_worst_corners(flipped, mesh, free, held, chains) if flipped is not quads else quads
+        quads = flip_edges(quads, mesh.face_normals[quads.triangles], keep)
     for unit, mate in zip(units, mates, strict=True):
         # Partners that were too near to others to be paired may be distinct by now.
         partner = partners(quads, unit) if mate is None else mate
@@ -100,8 +100,7 @@ def lost_lines(quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row]) -> tupl
     features = _feature_lines(mesh, rows)
     if features is None:
         return np.empty(0), np.empty(0)
-    lengths = np.array([ways[-1] for ways in features.lengths])
-    return lengths[list(follow_features(quads, features)[1].missed)], lengths
+    return features.lengths[list(follow_features(quads, features)[1].missed)], features.lengths
 
 
 def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row]) -> FeatureLines | None:

@@ -75,7 +75,7 @@ def _within_reach(places: np.ndarray, reach: np.ndarray, points: np.ndarray) -> 
     """Pairs of (m, 3) places and of points within (m,) reach of them: (k,) places, (k,) points. Places farther than
     half of it from all points are in no strip and are left out."""
     tree = cKDTree(points)
-    near = np.flatnonzero(tree.query(places)[0] < reach / 2)
+    near = np.flatnonzero(tree.query(places, distance_upper_bound=reach.max() / 2)[0] < reach / 2)
     rows, reached = pairs_within(tree, places[near], reach[near])
     return near[rows], reached
 

@@ -213,3 +213,12 @@ def test_a_draft_that_is_no_mesh_is_not_shown(monkeypatch):
     monkeypatch.setattr(quad_meshes, "_draw", refuse_the_draft)
     shown = []
     assert asked(icosphere(3)).solve_showing(shown.append).quads is not None and shown == []
+
+
+def test_corrections_end_where_they_leave_as_many_dislocations(monkeypatch):
+    pattern = asked(icosphere(3)).solve().pattern
+    monkeypatch.setattr(type(pattern), "dislocations", [1, 2])
+    tried = []
+    monkeypatch.setattr(quad_meshes, "untangle", lambda pattern, _: tried.append(pattern) or pattern)
+    assert asked(icosphere(3)).solve().quads is not None
+    assert len(tried) == 1

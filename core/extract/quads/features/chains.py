@@ -77,11 +77,17 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
     corners = np.array(list(at_corner), int)
     at = np.array(list(at_corner.values()), int)
     quads = move_vertices(quads, at, features.mesh.vertices[corners], *vertex_places(features.mesh, corners))
+    tree, pieces = cKDTree(quads.vertices), _pieces(quads, features.mesh)
     missed, diagonals = [], _diagonals(quads) if cut else edges[:0]
     for number in np.argsort(~features.on_boundary, kind="stable").tolist():
         usable = edges[(counts == 1) == features.on_boundary[number]]
         made = diagonals[: 0 if features.on_boundary[number] else None]
-        chain = _chain(quads, features, number, side, (usable, made), at_corner, taken, on_rim)
+        line = features.lines[number]
+        reach = LINE_REACH * side + features.lengths[number] / len(line)
+        close = np.zeros(len(taken), bool)
+        close[np.concatenate(tree.query_ball_point(features.mesh.vertices[line], reach)).astype(int)] = True
+        near = np.flatnonzero(close & ~taken & (pieces == features.mesh.pieces[line[0]]))
+        chain = _chain(quads, features, number, side, (usable, made), at_corner, near, on_rim)
         with_cuts = None if chain is None else _cut_faces(quads, chain[2])
         if chain is None or with_cuts is None:
             missed.append(number)
@@ -184,22 +190,19 @@ def _chain(
     side: float,
     edges: tuple[np.ndarray, np.ndarray],
     at_corner: dict[int, int],
-    taken: np.ndarray,
+    near: np.ndarray,
     on_rim: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Vertices along one line without its corners, their positions along it, and the pairs of vertices between which
     faces are cut; None without a chain.
 
-    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut.
+    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut; ``near`` are (k,) vertices that
+    may lie on the line.
     """
-    line, length = features.lines[number], features.lengths[number][-1]
-    near = np.unique(np.concatenate(edges))
-    near = near[_pieces(quads, features.mesh)[near] == features.mesh.pieces[line[0]]]
-    near = near[_within(quads.vertices[near], features.mesh.vertices[line], LINE_REACH * side + length / len(line))]
+    line, length = features.lines[number], features.lengths[number]
     ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
     ways[near], apart[near] = features.nearest(number, quads.vertices[near])
-    apart[taken] = np.inf
-    begin, closed = 0.0, line[0] == line[-1] and line[0] not in features.corners
+    begin, closed = 0.0, features.closed[number]
     first, last = (at_corner.get(int(corner)) for corner in line[[0, -1]])
     if closed:
         first = last = int(np.where(on_rim == features.on_boundary[number], apart, np.inf).argmin())
@@ -215,10 +218,6 @@ def _chain(
     if not length / LENGTH_RATIO < steps.sum() < length * LENGTH_RATIO or (closed and len(steps) < 3):
         return None
     return (path[:-1], (begin + np.append(0, inner)) % length, cuts) if closed else (path[1:-1], inner, cuts)
-
-
-def _within(points: np.ndarray, line: np.ndarray, reach: float) -> np.ndarray:
-    return cKDTree(line).query(points, distance_upper_bound=reach)[0] <= reach
 
 
 def _spread_evenly(ways: np.ndarray, span: float, steps: np.ndarray) -> np.ndarray:
@@ -267,14 +266,15 @@ def _path(
         costs.append(np.where(usable, steps * (1 + DISTANCE_COST * away) + more + 1e-9 * side, np.inf))
     passages, lengths = np.concatenate(parts), np.concatenate(costs)
     taken = np.isfinite(lengths)
-    graph = coo_matrix((lengths[taken], passages[taken].T), shape=(count + 2, count + 2))
-    _, before = dijkstra(graph, directed=False, indices=count, return_predecessors=True)
-    nodes = [count + 1]
-    while nodes[-1] != count:
-        if before[nodes[-1]] < 0:
+    nodes, ends_of = np.unique(np.append(passages[taken], [count, count + 1]), return_inverse=True)
+    graph = coo_matrix((lengths[taken], ends_of[:-2].reshape(-1, 2).T), shape=(len(nodes), len(nodes)))
+    _, before = dijkstra(graph, directed=False, indices=len(nodes) - 2, return_predecessors=True)
+    way = [len(nodes) - 1]
+    while way[-1] != len(nodes) - 2:
+        if before[way[-1]] < 0:
             return None
-        nodes.append(before[nodes[-1]])
-    path = names[nodes[::-1]]
+        way.append(before[way[-1]])
+    path = names[nodes[way[::-1]]]
     steps = np.sort(np.column_stack([path[:-1], path[1:]]), axis=1)
     return path, steps[np.isin(steps @ [count, 1], edges[1] @ [count, 1])]
 

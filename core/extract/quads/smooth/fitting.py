@@ -75,34 +75,36 @@ def project_vertices(
     normals = mesh.face_normals[quads.triangles[which]]
     ends, triangles = mesh.finder.nearest_facing(places[loose], normals[loose], nearby=True)
     quads = move_vertices(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
-    if chains is None:
+    if chains is None or loose.all():
         return quads
-    for number in np.unique(lines[which[~loose]]):
-        sliding = lines[which] == number
-        ways = _slide_along(quads, chains, number, which[sliding], places[sliding])
-        quads = move_vertices(quads, which[sliding], *chains.features.at(number, ways))
-    return quads
+    sliding = which[~loose]
+    ways = _slide_along(quads, chains, sliding, places[~loose])
+    return move_vertices(quads, sliding, *chains.features.at(lines[sliding], ways))
 
 
-def _slide_along(quads: QuadMesh, chains: Chains, number: int, which: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """(k,) positions along a line nearest to places, limited so that the order of its vertices stays."""
-    features, length = chains.features, chains.features.lengths[number][-1]
-    line = np.flatnonzero(chains.lines == number)
-    ways, _ = features.nearest(number, quads.vertices[line])
-    order = np.argsort(ways)
-    line, ways = line[order], ways[order]
-    first, last = features.lines[number][[0, -1]]
-    is_closed = first == last and first not in features.corners
-    ends = (ways[-1] - length, ways[0] + length) if is_closed else (0, length)
-    gaps = np.diff(np.concatenate([ends[:1], ways, ends[1:]]))
-    by_name = np.argsort(line)
-    at = by_name[np.searchsorted(line, which, sorter=by_name)]
-    rooms = NEARER * np.maximum(gaps - SMALLEST_GAP * length / len(gaps), 0)
-    steps = features.nearest(number, places)[0] - ways[at]
-    if is_closed:
-        steps -= length * np.rint(steps / length)
-    ways = ways[at] + np.clip(steps, -rooms[at], rooms[at + 1])
-    return ways % length if is_closed else ways
+def _slide_along(quads: QuadMesh, chains: Chains, which: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """(k,) positions along their lines nearest to places, limited so that the order of each line's vertices stays."""
+    features = chains.features
+    on_line = np.flatnonzero(chains.lines >= 0)
+    ways, _ = features.nearest(chains.lines[on_line], quads.vertices[on_line])
+    order = np.lexsort((ways, chains.lines[on_line]))
+    on_line, ways = on_line[order], ways[order]
+    lines = chains.lines[on_line]
+    lengths, closed = features.lengths[lines], features.closed[lines]
+    firsts = np.flatnonzero(np.diff(lines, prepend=-1))
+    lasts = np.append(firsts[1:], len(lines)) - 1
+    behind, ahead = np.roll(ways, 1), np.roll(ways, -1)
+    behind[firsts] = np.where(closed[firsts], ways[lasts] - lengths[firsts], 0)
+    ahead[lasts] = np.where(closed[lasts], ways[firsts] + lengths[lasts], lengths[lasts])
+    least = SMALLEST_GAP * lengths / (1 + np.bincount(lines)[lines])
+    back, on = (NEARER * np.maximum(gaps - least, 0) for gaps in (ways - behind, ahead - ways))
+    at = np.zeros(len(chains.lines), int)
+    at[on_line] = np.arange(len(on_line))
+    at = at[which]
+    steps = features.nearest(lines[at], places)[0] - ways[at]
+    steps -= np.where(closed[at], lengths[at] * np.rint(steps / lengths[at]), 0)
+    moved = ways[at] + np.clip(steps, -back[at], on[at])
+    return np.where(closed[at], moved % lengths[at], moved)
 
 
 def _urgencies(quads: QuadMesh) -> np.ndarray:

@@ -45,10 +45,14 @@ def faces_near(quads: QuadMesh, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Ground:
-    """The surface, and (s, 3) sample points on it that quads should be near to."""
+    """The surface, and (s, 3) sample points on it that quads should be near to.
+
+    ``quads`` are those of the first patches: samples are near the same faces when vertices have moved a little.
+    """
 
     mesh: TriangleMesh
     samples: np.ndarray
+    quads: QuadMesh
 
     @classmethod
     def of(cls, mesh: TriangleMesh, quads: QuadMesh) -> "Ground":
@@ -60,7 +64,12 @@ class Ground:
             mesh.vertices[mesh.edges[long]].mean(axis=1),
             mesh.vertices[mesh.triangles[wide]].mean(axis=1),
         ]
-        return cls(mesh, np.concatenate(parts))
+        return cls(mesh, np.concatenate(parts), quads)
+
+    @cached_property
+    def near(self) -> np.ndarray:
+        """(s, :data:`CANDIDATES`) faces near each sample."""
+        return faces_near(self.quads, self.samples)
 
     def normals(self, quads: QuadMesh, which: np.ndarray) -> np.ndarray:
         """(k, 3) vectors along the surface's interpolated normals at vertices."""
@@ -159,8 +168,7 @@ class Patches:
     @cached_property
     def below(self) -> Below:
         """Samples of the surface below the patches, their patches, and the faces near them."""
-        samples = self.ground.samples
-        near = faces_near(self.quads, samples)
+        samples, near = self.ground.samples, self.ground.near
         labels = np.full(len(self.quads.sizes), -1)
         labels[self.touched] = self.of_faces
         labels = labels[near[:, 0]]

@@ -18,7 +18,7 @@ from .patches import Ground, Judge, Patches, regular_degrees
 # Corners that deviate from a right angle by more degrees than this are bad.
 BAD = 25.0
 # Rings of faces around the bad ones that move too, in each round.
-RINGS = (0, 1, 2)
+RINGS = (0, 2)
 # Parts of its move that a patch tries; it takes the first that is better.
 PARTS = (1.0, 0.4)
 # Smallest share by which a norm must fall.
@@ -88,14 +88,12 @@ def _directions(
     for unit, on_plane in planes:
         held = on_plane[moving]
         result[held, 0], result[held, 1] = unit_vectors(np.cross(unit, up[held])), 0
-    if chains is None:
+    if chains is None or (lines[moving] < 0).all():
         return result
-    on_lines = lines[moving]
-    for number in np.unique(on_lines[on_lines >= 0]):
-        sliding = on_lines == number
-        ways, _ = chains.features.nearest(number, quads.vertices[moving[sliding]])
-        length = chains.features.lengths[number][-1]
-        ends = [np.clip(ways + step * length, 0, length) for step in (-_PIECE, _PIECE)]
-        behind, ahead = (chains.features.at(number, end)[0] for end in ends)
-        result[sliding, 0], result[sliding, 1] = unit_vectors(ahead - behind), 0
+    sliding = lines[moving] >= 0
+    numbers, features = lines[moving[sliding]], chains.features
+    ways, _ = features.nearest(numbers, quads.vertices[moving[sliding]])
+    lengths = features.lengths[numbers]
+    behind, ahead = (features.at(numbers, np.clip(ways + part * lengths, 0, lengths))[0] for part in (-_PIECE, _PIECE))
+    result[sliding, 0], result[sliding, 1] = unit_vectors(ahead - behind), 0
     return result

@@ -76,7 +76,9 @@ class QuadMesh:
     @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(e, 2) vertices, the lower first, and (e,) number of faces at each."""
-        return np.unique(np.sort(self.half_edges, axis=1), axis=0, return_counts=True)
+        count = len(self.vertices)
+        names, counts = np.unique(np.sort(self.half_edges, axis=1) @ [count, 1], return_counts=True)
+        return np.column_stack(np.divmod(names, count)), counts
 
     @property
     def edge_lengths(self) -> np.ndarray:

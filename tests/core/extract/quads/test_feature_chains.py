@@ -9,16 +9,17 @@ import pytest
 from scipy.spatial import cKDTree
 
 from synch_fields.bench.meshes import read_obj
+from synch_fields.core.extract.quads.features import feature_lines
 from synch_fields.core.extract.quads.features.chains import CORNER_REACH, follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.fields import direction_field, quad_pattern
-from synch_fields.core.fields.constraints.features import line_corners
+from synch_fields.core.fields.constraints.features import feature_edges, line_corners
 from synch_fields.core.geometry import TriangleMesh
 
 from ...meshes import SHARED, cube, cylinder, double_torus, grid_quads
-from ...sharp_shapes import chamfered_cube, distances_from_edges, flat_cells, kept_quads, plate, polygon, samples
+from ...sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, flat_cells, kept_quads, plate, polygon, samples
 from ...topology import euler, is_surface
 
 # Of a quad's side.
@@ -157,3 +158,24 @@ def test_a_corner_stays_with_the_vertex_that_stands_there():
     found, _ = follow_features(quads, features)
     edges = found.edges[0]
     assert np.linalg.norm(np.diff(found.vertices[edges], axis=1)[:, 0], axis=1).min() > 1e-3
+
+
+def test_points_are_put_on_lines_of_their_own_all_at_once(monkeypatch):
+    """The nearest of many points along each line, whatever part of the pairs is compared at a time."""
+    mesh = cube(5)
+    features = FeatureLines.of(mesh, feature_edges(mesh, ANGLE, 0.1))
+    assert len(features.lines) == 12
+    random = np.random.default_rng(0)
+    numbers, points = random.integers(12, size=200), random.uniform(-0.2, 1.2, (200, 3)) * np.ptp(mesh.vertices)
+    monkeypatch.setattr(feature_lines, "PAIRS", 50)
+    ways, apart = features.nearest(numbers, points)
+    places, triangles, weights = features.at(numbers, ways)
+    for number, way, away, place, point in zip(numbers, ways, apart, places, points, strict=True):
+        first, last = mesh.vertices[features.lines[number][[0, -1]]]
+        along = np.linspace(first, last, 1001)
+        gaps = np.linalg.norm(along - point, axis=1)
+        step = features.lengths[number] / 1000
+        assert gaps.min() - step < away <= gaps.min() and abs(way - step * gaps.argmin()) <= step
+        np.testing.assert_allclose(place, first + way / features.lengths[number] * (last - first), atol=1e-12)
+    on_surface = np.einsum("pk,pkx->px", weights, mesh.vertices[mesh.triangles[triangles]])
+    np.testing.assert_allclose(on_surface, places, atol=1e-12)
