@@ -19,7 +19,7 @@ from ...problem import Merged, Targets
 TOLERANCE = 1e-4
 
 
-class Growth(Protocol):
+class OneForm(Protocol):
     """What constraints need of a :class:`core.fields.target_one_form.TargetOneForm`, which describes it."""
 
     @property
