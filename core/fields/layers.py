@@ -29,12 +29,12 @@ _RARE = 0.01
 
 @dataclass(frozen=True)
 class LayerGroup:
-    """Surfaces that a layer follows.
+    """Surfaces on which the phase of the layers is constant, so that layers follow them.
 
     Attributes
     ----------
-    vertices : (k,) indices of vertices that share a phase, ascending
-    triangles : (f, 3) faces among them, over which the phase is constant
+    vertices : (k,) their vertices, ascending
+    triangles : (f, 3) vertices of their triangles
     phase : radians; None for a free phase, one for each connected piece of the triangles
     name : for messages
     """
@@ -48,7 +48,10 @@ class LayerGroup:
     def of_vertices(
         cls, mesh: TetMesh, chosen: ArrayLike, phase: float | None = None, name: str = "the group"
     ) -> "LayerGroup":
-        """From (n,) bool: the triangles with three chosen corners, without inner ones between boundary vertices."""
+        """From (n,) bool chosen vertices: the triangles whose three corners are chosen.
+
+        Triangles inside the solid whose corners are all on its boundary do not count.
+        """
         chosen = np.asarray(chosen, bool)
         if chosen.shape != (mesh.vertex_count,):
             raise SettingError(
