@@ -94,16 +94,14 @@ class BakeSettings(SettingsRecord):
         usual=(None, 64),
         group="bake",
     )
-    uv_map: str = _bake_setting(
-        "", "UV Map", "Where on the image each face is; empty for the active map", unset="the active one"
-    )
+    uv_map: str = _bake_setting("", "UV Map", "UV map to bake over; empty for the active one", unset="the active one")
     unwrap: bool = _bake_setting(
         False, "Smart UV Project", f"Make the UV map if the mesh does not have it; where none is named, {NEW_MAP!r}"
     )
     folder: str = _bake_setting(
         "",
         "Folder",
-        "Where the files go; empty to pack the images into the .blend",
+        "Folder for the files; empty to pack the images into the .blend",
         names=FOLDER,
         unset="packed into the .blend of --output",
     )

@@ -58,7 +58,7 @@ class SurfaceSettings(SolverSettings):
     symmetry: str = setting(
         "line",
         "Symmetry",
-        "What is the same at a point: one direction, a line or a cross",
+        "Directions that count as the same at a point: one, two opposite ones, or the four of a cross",
         choices=_SYMMETRIES,
         commands=tuple(command for command in SURFACES if command not in QUADS),
         group="directions",

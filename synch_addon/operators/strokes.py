@@ -60,7 +60,7 @@ class StrokeOperator:
         view.rest()
         self._step(context, event, obj)
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(translate("Let the button go: done   Esc: as before"))
+        context.workspace.status_text_set(translate("Release the button: done   Esc: as before"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -122,7 +122,7 @@ class StrokeOperator:
 
 
 class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
-    """Draw on the surface what stripes follow"""
+    """Draw a stroke on the surface that stripes follow"""
 
     bl_idname = "synch.draw_stroke"
     bl_label = "Draw Stroke"

@@ -57,7 +57,7 @@ energy it has than the best, and the number of line ends"""
 
     number: IntProperty(
         name="Variation",
-        description="0 is the best one, the next are other good ones, high numbers are found by a search of their own",
+        description="0 is the best result and the next numbers are other good ones; high numbers need a new search",
         min=0,
     )
 
