@@ -355,7 +355,7 @@ def export_field(obj: bpy.types.Object, path: str | Path, symmetry: str = "line"
 def select(obj: bpy.types.Object, vertices: Sequence[int]) -> None:
     """Select vertices and nothing else of an object's mesh, in object or edit mode.
 
-    Raises SettingError for what is no vertex.
+    Raises SettingError for numbers that are not vertices.
     """
     meshes.refuse(obj)
     chosen = check_vertices(vertices, len(obj.data.vertices))
