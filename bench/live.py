@@ -131,7 +131,7 @@ def live_row(mesh, steps, clock):
     for _ in range(steps):
         spacing *= 1.01
         asked = replace(asked, spacing=spacing, spacings=spacing)
-        slim = replace(shown.field, solution=None, problem=None)
+        slim = shown.field.without_solution
         found, spent = timed(clock, LiveRequest(asked, slim, shown.pattern.phases, True, followers).solve)
         seconds.append(spent)
         changes.append(np.abs(found.pattern.phases.real - shown.pattern.phases.real).mean())
@@ -139,7 +139,7 @@ def live_row(mesh, steps, clock):
         shown = found
     whole, shown_last, settled = asked.along(found.field).pattern.energy, found.pattern.energy, {}
     for settles in (ANEW, NEAR):
-        slim = replace(found.field, solution=None, problem=None)
+        slim = found.field.without_solution
         request = LiveRequest(asked, slim, found.pattern.phases, True, followers, settles)
         found, settled[f"{settles}_seconds"] = timed(clock, request.solve)
         settled[settles] = found.pattern.energy / whole

@@ -9,7 +9,7 @@ import numpy as np
 from synch_fields.core.errors import MeshError
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
-from synch_fields.core.geometry.manifold_repair import carrier
+from synch_fields.core.geometry.manifold_repair import repair_mesh
 from synch_fields.core.geometry.polygons import Polygons
 
 
@@ -26,7 +26,7 @@ def read_carrier(path):
     try:
         check_mesh(mesh)
     except MeshError:
-        mesh = carrier(mesh, Polygons.of_triangles(mesh)).mesh
+        mesh = repair_mesh(mesh, Polygons.of_triangles(mesh)).mesh
     return _of_unit_area(mesh)
 
 

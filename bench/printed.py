@@ -43,7 +43,7 @@ from synch_fields.core.printing.gcode import gcode
 from synch_fields.core.printing.machine import read_machine
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import Layering, PathSettings
-from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
+from synch_fields.core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 
 # Places in the solid that are looked at, and what samples of moves are apart, in beads' widths.
 PLACES, APART = 20_000, 0.2
@@ -141,7 +141,7 @@ def solved(name, make, length, height):
         surface,
         solid,
         SolidGuide("guide", compute),
-        tuple(AskedArea(area, np.pi) for area in areas),
+        tuple(FlushArea(area, np.pi) for area in areas),
         Lengths.of(surface.distance, height, None)
         if solid is None
         else Lengths.carried(surface.distance, height, float(np.median(solid.edge_lengths))),

@@ -26,9 +26,13 @@ _GROUPS = {True: ("/sys/fs/cgroup", "memory.max"), False: ("/sys/fs/cgroup/memor
 
 
 class Room(NamedTuple):
-    """Memory that this process may still take: ``bytes``, of which each used byte takes ``reserved``.
+    """Memory that this process may still take.
 
-    ``name`` and ``remedy`` say what kind of memory it is, and how to get more.
+    Attributes
+    ----------
+    bytes : what is left
+    reserved : how many of them are taken by each byte that is used
+    name, remedy : the kind of memory, and how to get more, for messages
     """
 
     bytes: float
@@ -38,13 +42,15 @@ class Room(NamedTuple):
 
     @property
     def usable(self) -> float:
-        """Bytes that can be used."""
+        """Number of bytes that can be used."""
         return self.bytes / self.reserved
 
 
 def room(reserved: float = RESERVED) -> Room:
-    """Find the tightest :class:`Room`: the machine's, the container's, or that of the address space, of which each used
-    byte takes ``reserved``."""
+    """Find the tightest :class:`Room`: the machine's memory, the container's, or the address space.
+
+    ``reserved`` is the number of bytes of address space that each used byte takes.
+    """
     used = used_bytes()
     rooms = (
         Room(machine_bytes() - used, 1.0, "memory", "use a machine with more"),
@@ -63,7 +69,7 @@ def check_memory(needed: float, what: str, reserved: float = RESERVED) -> None:
     ----------
     needed : bytes at its peak, beyond the present use; may be a third too high
     what : begins the message, such as "a solve of 9 phases"
-    reserved : bytes of address space for each of them
+    reserved : bytes of address space that each used byte takes
     """
     left = room(reserved)
     if _SURE * needed > left.usable:
@@ -162,9 +168,9 @@ def _windows_process() -> tuple[int, int]:
     counters = Counters(cb=ctypes.sizeof(Counters))
     kernel = ctypes.WinDLL("kernel32")  # type: ignore[attr-defined]
     kernel.GetCurrentProcess.restype = wintypes.HANDLE
-    asked = kernel.K32GetProcessMemoryInfo
-    asked.argtypes = wintypes.HANDLE, ctypes.POINTER(Counters), wintypes.DWORD
-    asked(kernel.GetCurrentProcess(), ctypes.byref(counters), counters.cb)
+    get_info = kernel.K32GetProcessMemoryInfo
+    get_info.argtypes = wintypes.HANDLE, ctypes.POINTER(Counters), wintypes.DWORD
+    get_info(kernel.GetCurrentProcess(), ctypes.byref(counters), counters.cb)
     return counters.now, counters.peak
 
 

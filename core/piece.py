@@ -28,7 +28,7 @@ class Piece:
     is_complex : whether nodes have one complex row
     ground : index of the ground node among the piece's nodes
     rows : (N,) rows of the whole problem's coordinates
-    held : sums over all processes that hold rows of the piece; mass, rows and fields are this process's
+    reductions : sums over all processes that hold rows of the piece; mass, rows and fields are this process's
     """
 
     matrix: csr_matrix
@@ -39,7 +39,7 @@ class Piece:
     ground: int | None
     rows: np.ndarray
     fibre: Fibre = Fibre.VECTORS
-    held: Reductions = HERE
+    reductions: Reductions = HERE
 
     @property
     def node_count(self) -> int:
@@ -58,7 +58,7 @@ class Piece:
     @property
     def total_mass(self) -> float:
         """Mass of every field: the masses of its nodes times the squares of their values."""
-        return self.held.sum(self.mass.sum()) * self.width
+        return self.reductions.sum(self.mass.sum()) * self.width
 
     @property
     def row_mass(self) -> np.ndarray:
@@ -69,12 +69,12 @@ class Piece:
     def total_weight(self) -> float:
         """Sum of the matrix's diagonal, without the ground's unused rows."""
         diagonal = np.abs(self.matrix.diagonal())
-        return float(self.held.sum(diagonal.sum() - diagonal[self.unused_rows].sum()))
+        return float(self.reductions.sum(diagonal.sum() - diagonal[self.unused_rows].sum()))
 
     @property
     def stiffness(self) -> float:
         """Mean diagonal of the matrix per mass: an upper scale for eigenvalues, times and shifts."""
-        return self.total_weight / float(self.held.sum(self.row_mass.sum()))
+        return self.total_weight / float(self.reductions.sum(self.row_mass.sum()))
 
     def scaled(self) -> tuple["Piece", float]:
         """Scale the piece to a mean diagonal and a mean mass of 1; also returns the divisor of its energies."""
@@ -103,5 +103,5 @@ class Piece:
         """Compute (k,) energies of k columns (Eq. 17) as sums of squares, exactly zero for a perfect fit."""
         differences = self.factor @ columns.reshape(len(self.rows), -1)
         if self.is_complex:
-            return self.held.sum((differences.real**2 + differences.imag**2).sum(axis=0))
-        return self.held.sum((differences**2).sum(0).reshape(-1, columns.shape[1]).sum(0))
+            return self.reductions.sum((differences.real**2 + differences.imag**2).sum(axis=0))
+        return self.reductions.sum((differences**2).sum(0).reshape(-1, columns.shape[1]).sum(0))

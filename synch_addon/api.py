@@ -42,7 +42,7 @@ from .looks import presets
 from .patterns import lines as line_object
 from .patterns import memory
 from .patterns.carrying import add_carry
-from .patterns.job import FieldJob, write_again, write_quads, write_result
+from .patterns.job import FieldJob, rewrite, write_quads, write_result
 from .patterns.numbers import number_stripes as number_stripes
 from .patterns.read_back import shown_pattern
 from .patterns.refine import refine as refine
@@ -169,7 +169,7 @@ def show_again(obj: bpy.types.Object, shown: memory.Solved) -> None:
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
-        write_again(obj, replace(shown, request=memory.recall(obj).request))
+        rewrite(obj, replace(shown, request=memory.recall(obj).request))
 
 
 def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothing) -> Json:
@@ -190,7 +190,7 @@ def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothin
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
         request = solved.request.smoothed(smoothing)
         found = SurfaceResult(solved.field, solved.pattern, **request.finish(*request.trace(solved.pattern)))
-        report = solved.report.again("quad_mesh")
+        report = solved.report.for_another_result("quad_mesh")
         report.take(found)
         return write_quads(obj, request, found, report, Selection.now(), surface_of(obj))
 
@@ -318,9 +318,9 @@ def _show(
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
-        report = solved.report.again()
+        report = solved.report.for_another_result()
         with report.clock("round"):
-            field, pattern = solved.showing(change(solved))
+            field, pattern = solved.field_and_pattern(change(solved))
         return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
 
 
@@ -355,7 +355,7 @@ def export_field(obj: bpy.types.Object, path: str | Path, symmetry: str = "line"
 def select(obj: bpy.types.Object, vertices: Sequence[int]) -> None:
     """Select vertices and nothing else of an object's mesh, in object or edit mode.
 
-    Raises SettingError for what is no vertex.
+    Raises SettingError for numbers that are not vertices.
     """
     meshes.refuse(obj)
     chosen = check_vertices(vertices, len(obj.data.vertices))

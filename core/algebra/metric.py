@@ -173,15 +173,15 @@ def coarse_mass(tentative: csr_matrix, row_mass: np.ndarray) -> np.ndarray:
 
 
 def largest_eigenvalue(
-    matrix: csr_matrix, inverse_diagonal: np.ndarray, random: np.random.Generator, held: Reductions = HERE
+    matrix: csr_matrix, inverse_diagonal: np.ndarray, random: np.random.Generator, reductions: Reductions = HERE
 ) -> float:
     """Estimate an upper bound of the spectrum of D^-1 matrix by the power method."""
     vector = random.standard_normal(len(inverse_diagonal)).astype(matrix.dtype)
     size = 1.0
     for _ in range(POWER_STEPS):
-        vector /= held.norm(vector)
+        vector /= reductions.norm(vector)
         vector = inverse_diagonal * (matrix @ vector)
-        size = float(held.norm(vector))
+        size = float(reductions.norm(vector))
     return max(SAFETY * size, 1.0)
 
 

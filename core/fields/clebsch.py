@@ -141,7 +141,7 @@ class ClebschMap:
     ----------
     integrals : (e,) of the velocity along the edges
     quantum : circulation of one filament
-    phases : (n,) complex, the solution's or others (:meth:`showing`)
+    phases : (n,) complex, the solution's or others (:meth:`with_phases`)
     """
 
     grid: Grid | Surface
@@ -163,7 +163,7 @@ class ClebschMap:
         """The energy of the phases."""
         return self.problem.energy(self.phases)
 
-    def showing(self, phases: np.ndarray) -> "ClebschMap":
+    def with_phases(self, phases: np.ndarray) -> "ClebschMap":
         """The map with other phases of the same problem."""
         return replace(self, phases=phases)
 
@@ -237,7 +237,7 @@ class SphericalMap:
         direction = np.array([np.cos(theta / 2), np.exp(1j * phi) * np.sin(theta / 2)])
         values = self.lifted @ direction.conj()
         lengths = np.abs(values)
-        return self.found.showing(np.where(lengths > 0, values / np.where(lengths > 0, lengths, 1), 1))
+        return self.found.with_phases(np.where(lengths > 0, values / np.where(lengths > 0, lengths, 1), 1))
 
     @cached_property
     def face_areas(self) -> np.ndarray:

@@ -33,7 +33,7 @@ def solve_next_map(
     start = replace(solution, phases=solution.phases * grown, lifted=solution.lifted * grown[:, None])
     found = clebsch_map(before.grid, integrals, before.quantum, options, callback, start)
     turn = np.vdot(found.phases, before.phases * grown)
-    return found.showing(found.phases * (turn / abs(turn))) if turn != 0 else found
+    return found.with_phases(found.phases * (turn / abs(turn))) if turn != 0 else found
 
 
 def solve_next_sphere(before: SphericalMap, found: ClebschMap, callback: Callback | None = None) -> SphericalMap:

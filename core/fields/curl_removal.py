@@ -2,8 +2,8 @@
 """Curl removal: the nearest changes along the edges that add up to less around the faces.
 
 A connection has a target change c along every edge. Around a face they add up to its holonomy C c, which no phases can
-follow: the curvature for directions, the curl of the growth for patterns. Where it adds up to whole turns, defects
-appear. The nearest changes with a part h of it removed,
+follow: the curvature for directions, the curl of the target one-form for patterns. Where it adds up to whole turns,
+defects appear. The nearest changes with a part h of it removed,
 
     argmin sum of w_e (c'_e - c_e)^2 subject to C c' = C c - h,    c' = c - W^-1 C^T y,    C W^-1 C^T y = h,
 

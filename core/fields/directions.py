@@ -99,6 +99,12 @@ class DirectionField:
         """The field with every direction turned counterclockwise by an angle in radians."""
         return replace(self, angles=self.angles + angle, turn=self.turn + angle)
 
+    @property
+    def without_solution(self) -> "DirectionField":
+        """The same directions without their problem and solution, which are large."""
+        turn, correction, scale = self.turn, self.correction, self.scale
+        return DirectionField(self.mesh, self.symmetry, self.angles, turn=turn, correction=correction, scale=scale)
+
     def flattened(self, share: float, known: np.ndarray | None = None) -> Self:
         """The field with the scale of a metric in which it is parallel except at its disclinations, or a share of it.
 
@@ -142,7 +148,7 @@ class DirectionField:
         own = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(turns))
         return own.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
 
-    def showing(self, phases: np.ndarray) -> Self:
+    def with_phases(self, phases: np.ndarray) -> Self:
         """The field with other phases of the same problem: a variation."""
         return replace(self, angles=np.angle(phases) / self.symmetry + self.turn)
 

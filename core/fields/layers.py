@@ -29,12 +29,12 @@ _RARE = 0.01
 
 @dataclass(frozen=True)
 class LayerGroup:
-    """Surfaces that a layer follows.
+    """Surfaces on which the phase of the layers is constant, so that layers follow them.
 
     Attributes
     ----------
-    vertices : (k,) indices of vertices that share a phase, ascending
-    triangles : (f, 3) faces among them, over which the phase is constant
+    vertices : (k,) their vertices, ascending
+    triangles : (f, 3) vertices of their triangles
     phase : radians; None for a free phase, one for each connected piece of the triangles
     name : for messages
     """
@@ -48,7 +48,10 @@ class LayerGroup:
     def of_vertices(
         cls, mesh: TetMesh, chosen: ArrayLike, phase: float | None = None, name: str = "the group"
     ) -> "LayerGroup":
-        """From (n,) bool: the triangles with three chosen corners, without inner ones between boundary vertices."""
+        """From (n,) bool chosen vertices: the triangles whose three corners are chosen.
+
+        Triangles inside the solid whose corners are all on its boundary do not count.
+        """
         chosen = np.asarray(chosen, bool)
         if chosen.shape != (mesh.vertex_count,):
             raise SettingError(
@@ -118,12 +121,12 @@ class SolidTargetOneForm:
         return float((np.abs(self.changes) > np.pi).mean())
 
     def divided(self, count: int) -> "SolidTargetOneForm":
-        """The growth with ``count`` layers in each period."""
+        """The one-form with ``count`` layers in each period."""
         correction = None if self.correction is None else count * self.correction
         return replace(self, rates=count * self.rates, correction=correction)
 
     def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "SolidTargetOneForm":
-        """The growth without a share of the curl of its changes.
+        """The one-form without a share of the curl of its changes.
 
         At a share of 1 they add up to zero around every triangle. Constraints determine the changes along their edges.
         """
@@ -188,8 +191,8 @@ class LayerPattern:
 
     @cached_property
     def heights(self) -> np.ndarray:
-        """(n,) position along the growth, radians, 0 at the lowest vertex of each piece: the function without
-        dislocations whose changes are nearest to those of the phase."""
+        """(n,) radians, how high each vertex is in the stack of layers, 0 at the lowest of each piece: the function
+        without dislocations whose changes are nearest to those of the phase."""
         return potential(self.mesh, self.edge_phases.changes[:, 0])
 
     def divided(self, count: int) -> "LayerPattern":
@@ -199,9 +202,9 @@ class LayerPattern:
             self, edge_phases=replace(phases, arguments=count * phases.arguments, changes=count * phases.changes)
         )
 
-    def rested(self, groups: Sequence[LayerGroup]) -> "LayerPattern":
+    def start_half_a_layer_up(self, groups: Sequence[LayerGroup]) -> "LayerPattern":
         """The pattern with the phase moved so that the first layer of each piece of the solid lies half a layer above
-        its lowest place; pieces with groups that hold a phase stay."""
+        its lowest vertex; pieces with a group of given phase stay as they are."""
         pieces, phases = self.mesh.pieces, self.edge_phases
         order = np.argsort(self.heights, kind="stable")
         _, first = np.unique(pieces[order], return_index=True)
@@ -229,19 +232,21 @@ class LayerPattern:
         return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
 
 
-def choose_levels(growth: SolidTargetOneForm, groups: Sequence[LayerGroup], divisions: int) -> list[LayerGroup]:
-    """Groups that hold phases, on those levels of a divided period that fit the growth best; the first one stays.
+def choose_levels(one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], divisions: int) -> list[LayerGroup]:
+    """Choose the level of each group of given phase among the ``divisions`` layers of a period.
+
+    The first group keeps its level, the others get those that fit the one-form best.
 
     Parameters
     ----------
-    growth : of the whole period
+    one_form : of the whole period
     groups : with phases of a layer
     divisions : layers in a period
     """
     held = [group for group in groups if group.phase is not None]
     levels = {}
     if divisions > 1 and len(held) > 1:
-        function = potential(growth.mesh, growth.changes)
+        function = potential(one_form.mesh, one_form.changes)
         heights = [divisions * function[group.vertices].mean() - group.phase for group in held]
         levels = {id(group): np.rint((height - heights[0]) / TURN) for group, height in zip(held, heights, strict=True)}
     return [
@@ -265,8 +270,8 @@ def layer_problem(
     directions : (n, 3) unit vectors across the layers (:mod:`core.fields.guidance.solids`)
     spacing : distance between layers in the solid's units, or (n,) one at each vertex
     groups : surfaces that layers follow; the boundary is free elsewhere
-    branching : share of the growth's curl that is kept, from 0 to 1: fewer and shorter curves where layers branch
-        below 1, for distances that vary more (see :mod:`.curl_removal`)
+    branching : share of the target one-form's curl that is kept, from 0 to 1: the less, the fewer and shorter the
+        curves where layers branch, and the more the distances vary (see :mod:`.curl_removal`)
     """
     return pose_layers(SolidTargetOneForm.of(mesh, directions, spacing), groups, branching)[1]
 
@@ -281,29 +286,29 @@ def solve_layers(
     branching: float = 1.0,
 ) -> LayerPattern:
     """Solve for layers; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
-    return solve_growth(SolidTargetOneForm.of(mesh, directions, spacing), groups, options, callback, branching)
+    return solve_one_form(SolidTargetOneForm.of(mesh, directions, spacing), groups, options, callback, branching)
 
 
-def solve_growth(
-    growth: SolidTargetOneForm,
+def solve_one_form(
+    one_form: SolidTargetOneForm,
     groups: Sequence[LayerGroup] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     branching: float = 1.0,
 ) -> LayerPattern:
-    """Solve for layers that follow a growth."""
-    growth, problem = pose_layers(growth, groups, branching)
+    """Solve for layers that follow a target one-form."""
+    one_form, problem = pose_layers(one_form, groups, branching)
     options = replace(Options() if options is None else options, integrate=True)
     solution = solve(problem, options, callback)
-    return LayerPattern(growth.mesh, solution, growth.edge_phases(solution.phases, groups))
+    return LayerPattern(one_form.mesh, solution, one_form.edge_phases(solution.phases, groups))
 
 
 def pose_layers(
-    growth: SolidTargetOneForm, groups: Sequence[LayerGroup], branching: float
+    one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], branching: float
 ) -> tuple[SolidTargetOneForm, SynchronizationProblem]:
-    """The growth with a share of its curl, and its problem; arguments and errors as :func:`layer_problem`."""
+    """The one-form with a share of its curl, and its problem; arguments and errors as :func:`layer_problem`."""
     check_share(branching, "branching")
-    mesh = growth.mesh
+    mesh = one_form.mesh
     links = join_links([group.links for group in groups if group.phase is None])
     given = [
         (group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase)))
@@ -312,8 +317,8 @@ def pose_layers(
     ]
     fixed = fixed_phases(given, "take them out of one of the groups")
     fixed, merged = contract_groups(mesh.vertex_count, links, fixed)
-    growth = growth.remove_curl(1 - branching, fixed, merged)
-    return growth, SynchronizationProblem(growth.connection, mesh.vertex_masses, merged, fixed)
+    one_form = one_form.remove_curl(1 - branching, fixed, merged)
+    return one_form, SynchronizationProblem(one_form.connection, mesh.vertex_masses, merged, fixed)
 
 
 def _places(mesh: TetMesh) -> np.ndarray:

@@ -18,7 +18,7 @@ from ..errors import SettingError
 from ..interpolate import TURN
 from ..monitor import Callback, portion
 from ..solution import Options
-from .layers import LayerGroup, LayerPattern, SolidTargetOneForm, solve_growth
+from .layers import LayerGroup, LayerPattern, SolidTargetOneForm, solve_one_form
 
 # Shares of the branches that are tried, and corrections of the best of them; and the share of the volume outside of
 # the limits at which the search ends.
@@ -73,14 +73,14 @@ class Limits:
 
 
 def solve_within(
-    growth: SolidTargetOneForm,
+    one_form: SolidTargetOneForm,
     limits: Limits,
     groups: Sequence[LayerGroup] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     branching: float = 1.0,
 ) -> tuple[LayerPattern, SolidTargetOneForm]:
-    """Layers between limits, as far as possible: the best pattern that was tried, and the growth it was solved for.
+    """Layers between limits, as far as possible: the best pattern that was tried, and the one-form it was solved for.
 
     Other arguments as for :func:`core.fields.layers.solve_layers`; ``branching`` is the largest share of the branches.
     """
@@ -92,11 +92,11 @@ def solve_within(
             share = _next_share(tried, branching)
         else:
             best = min(tried) if number == SHARES else tried[-1]
-            growth, share = _correct_distances(best.growth, best.pattern, limits), best.share
-        pattern = solve_growth(growth, groups, options, portion(callback, number / most, 1 / most), share)
-        tried.append(_Tried(limits.outside_share(pattern), share, number, pattern, growth))
+            one_form, share = _correct_distances(best.one_form, best.pattern, limits), best.share
+        pattern = solve_one_form(one_form, groups, options, portion(callback, number / most, 1 / most), share)
+        tried.append(_Tried(limits.outside_share(pattern), share, number, pattern, one_form))
     best = min(tried)
-    return best.pattern, best.growth
+    return best.pattern, best.one_form
 
 
 class _Tried(NamedTuple):
@@ -106,7 +106,7 @@ class _Tried(NamedTuple):
     share: float
     number: int
     pattern: LayerPattern
-    growth: SolidTargetOneForm
+    one_form: SolidTargetOneForm
 
 
 def _next_share(tried: list["_Tried"], branching: float) -> float:
@@ -119,14 +119,14 @@ def _next_share(tried: list["_Tried"], branching: float) -> float:
     return (order[place].share + min(beside).share) / 2
 
 
-def _correct_distances(growth: SolidTargetOneForm, pattern: LayerPattern, limits: Limits) -> SolidTargetOneForm:
-    """The growth with larger distances where layers are too close, and smaller ones where they are too far apart."""
-    mesh, distances = growth.mesh, pattern.spacings.distances
+def _correct_distances(one_form: SolidTargetOneForm, pattern: LayerPattern, limits: Limits) -> SolidTargetOneForm:
+    """The one-form with larger distances where layers are too close, and smaller ones where they are too far apart."""
+    mesh, distances = one_form.mesh, pattern.spacings.distances
     wider = np.zeros(mesh.tet_count)
     known = np.isfinite(distances)
     wider[known] = np.log(limits.clipped(distances[known]) / distances[known])
-    rates = growth.rates * np.exp(-mesh.at_vertices(wider))[:, None]
+    rates = one_form.rates * np.exp(-mesh.at_vertices(wider))[:, None]
     lengths = np.linalg.norm(rates, axis=1)
     known = lengths > 0
     rates[known] *= (TURN / limits.inside(TURN / lengths[known]) / lengths[known])[:, None]
-    return replace(growth, rates=rates, correction=None)
+    return replace(one_form, rates=rates, correction=None)

@@ -78,13 +78,13 @@ class LoopClosing:
     """Conditions that loops close, on the changes of a quad pattern with a branching of 0 and its mirrors."""
 
     def __init__(self, pattern: Pattern, mirrors: Sequence[Reflection] = ()) -> None:
-        self._growth = growth = pattern.growth
-        self._asked = growth.changes.ravel()
-        self._softness = 1 / np.maximum(np.repeat(growth.mesh.weights, 2), SMALLEST_WEIGHT)
+        self._one_form = one_form = pattern.one_form
+        self._asked = one_form.changes.ravel()
+        self._softness = 1 / np.maximum(np.repeat(one_form.mesh.weights, 2), SMALLEST_WEIGHT)
         assert pattern.problem is not None
         fixed, merged = pattern.problem.fixed, pattern.problem.merged
-        self._softness[~np.isnan(known_turns(growth.connection, fixed, merged))] = 0
-        circulation, _ = surface_circulation(growth.mesh, growth.matchings, 2)
+        self._softness[~np.isnan(known_turns(one_form.connection, fixed, merged))] = 0
+        circulation, _ = surface_circulation(one_form.mesh, one_form.matchings, 2)
         self._flow = (diags_array(self._softness) @ circulation.matrix.T).tocsr()
         laplacian = (circulation.matrix @ self._flow).tocsr()
         self._rows = removable_rows(circulation, self._softness > 0, laplacian)
@@ -93,7 +93,7 @@ class LoopClosing:
         if len(self._rows):
             own = laplacian[self._rows][:, self._rows]
             self._factor = factorize(own + SHIFT * diags_array(own.diagonal()), single=False)
-        self._mirrors = [_ChangeMirror(growth, mirror) for mirror in mirrors if isinstance(mirror, Mirror)]
+        self._mirrors = [_ChangeMirror(one_form, mirror) for mirror in mirrors if isinstance(mirror, Mirror)]
 
     def _project(self, row: np.ndarray) -> np.ndarray:
         """(2 e,) change d of a row r."""
@@ -131,7 +131,7 @@ class LoopClosing:
     def _sums(self, walk: np.ndarray) -> np.ndarray | None:
         """(2, 2 e) rows of the sums of changes along a closed walk, for both phases of its first vertex; None where
         the phases are exchanged or reversed around it."""
-        mesh, matchings = self._growth.mesh, self._growth.matchings
+        mesh, matchings = self._one_form.mesh, self._one_form.matchings
         tails, heads = walk[:-1], walk[1:]
         edges, forward = mesh.edges_between(tails, heads), tails < heads
         matched = np.where(forward, 1, -1) * matchings[edges]
@@ -149,7 +149,7 @@ class LoopClosing:
     def correction(self, conditions: Sequence[Condition], sums: float | np.ndarray = 0.0) -> tuple[np.ndarray, float]:
         """The (e, 2) correction of the changes that meets all conditions, (k,) sums in place of 0, and its cost."""
         if not conditions:
-            return np.zeros((len(self._growth.mesh.edges), 2)), 0.0
+            return np.zeros((len(self._one_form.mesh.edges), 2)), 0.0
         missing = sums - self._values(conditions)
         shares = np.linalg.lstsq(_gram(conditions), missing, rcond=1e-8)[0]
         changes = (share * condition.change for share, condition in zip(shares, conditions, strict=True))
@@ -207,20 +207,20 @@ class LoopClosing:
 
 
 class _ChangeMirror:
-    """Reflects changes of a growth of two phases."""
+    """Reflects changes of a target one-form of two phases."""
 
-    def __init__(self, growth: TargetOneForm, mirror: Mirror) -> None:
+    def __init__(self, one_form: TargetOneForm, mirror: Mirror) -> None:
         # Phase l of a vertex is plus or minus phase phases[l] of its partner.
-        directions = mirror.mirrored_directions(growth)
+        directions = mirror.mirrored_directions(one_form)
         self._phases, self._signs = directions % 2, np.where(directions < 2, 1.0, -1.0)
-        mesh = growth.mesh
+        mesh = one_form.mesh
         ends = mirror.partner[mesh.edges]
         found = np.minimum(mesh.edges_between(*ends.T), len(mesh.edges) - 1)
         # Diagonals of faces need not be mirrored.
         self._rows = np.flatnonzero((mesh.edges[found] == np.sort(ends, axis=1)).all(axis=1))
         self._edges, self._tails = found[self._rows], mesh.edges[self._rows, 0]
         self._forward = (ends[:, 0] < ends[:, 1])[self._rows]
-        self._matchings = growth.matchings[self._edges]
+        self._matchings = one_form.matchings[self._edges]
 
     def reflect(self, changes: np.ndarray) -> np.ndarray:
         """The mirror image of (2 e,) changes; an edge that is not the image of an edge keeps its change."""

@@ -16,7 +16,7 @@ from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import components
 from ..problem import SynchronizationProblem, Targets
 from ..solution import Solution
-from .constraints.groups import Growth, Links, join_links
+from .constraints.groups import Links, OneForm, join_links
 from .constraints.rows import Row
 
 # Largest difference of mirrored constraints, in radians of direction: tangent planes lean, strokes are sampled.
@@ -45,18 +45,18 @@ class Reflection:
         first, second = self._pairs()
         return self._links(first, second, symmetry * self.turns, np.ones(len(first), bool))
 
-    def mirrored_directions(self, growth: Growth) -> np.ndarray:
+    def mirrored_directions(self, one_form: OneForm) -> np.ndarray:
         """(k, p) direction at the second vertex, 0 to 2 p - 1, to which that of each of the first's p phases maps; from
         p on they are the reverses."""
         first, second = self._pairs()
-        images = np.rint((self.turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
+        images = np.rint((self.turns - one_form.angles[first] - one_form.angles[second]) / one_form.turn).astype(int)
         # They count in the opposite sense.
-        directions: np.ndarray = (images[:, None] - np.arange(growth.phase_count)) % (2 * growth.phase_count)
+        directions: np.ndarray = (images[:, None] - np.arange(one_form.phase_count)) % (2 * one_form.phase_count)
         return directions
 
-    def phase_links(self, growth: Growth) -> Links:
-        """Links between the phases of a growth, which are exchanged or reversed."""
-        (first, second), count, directions = self._pairs(), growth.phase_count, self.mirrored_directions(growth)
+    def phase_links(self, one_form: OneForm) -> Links:
+        """Links between the phases of a one-form, which are exchanged or reversed."""
+        (first, second), count, directions = self._pairs(), one_form.phase_count, self.mirrored_directions(one_form)
         nodes = (count * first[:, None] + np.arange(count)).ravel()
         partners = count * second[:, None] + directions % count
         return self._links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count)

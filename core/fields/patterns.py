@@ -45,8 +45,8 @@ class PatternWishes:
     spacing : length of a period in the mesh's units, or one at each vertex (see :meth:`TargetOneForm.of`)
     rows : of the constraint list; those of the kinds "phase" and "constant" apply
     mirrors : symmetries of the pattern
-    branching : share of the growth's curl that is kept, from 0 to 1: fewer dislocations below 1, for a spacing that
-        varies more (see :mod:`.curl_removal`)
+    branching : share of the target one-form's curl that is kept, from 0 to 1: the less, the fewer the dislocations,
+        and the more the spacing varies (see :mod:`.curl_removal`)
     """
 
     spacing: ArrayLike
@@ -57,17 +57,17 @@ class PatternWishes:
 
 @dataclass(frozen=True)
 class KnownPattern:
-    """Phases on a mesh, one a vertex for stripes and two for quads, which may have been read from where they are kept.
+    """Phases on a mesh, one a vertex for stripes and two for quads, solved or read from an object's attributes.
 
     Attributes
     ----------
-    growth : the target
-    problem, solution : those of the phases; None in phases that were read
+    one_form : the target one-form, which the phases follow as far as possible
+    problem, solution : None for phases that were read
     phases : (k n,) complex
-    on_planes : links from phases on mirror planes to themselves
+    on_planes : links of phases on mirror planes with themselves, which fix them up to a sign
     """
 
-    growth: TargetOneForm
+    one_form: TargetOneForm
     problem: SynchronizationProblem | None
     solution: Solution | None
     phases: np.ndarray
@@ -75,7 +75,7 @@ class KnownPattern:
 
     @property
     def mesh(self) -> TriangleMesh:
-        return self.growth.mesh
+        return self.one_form.mesh
 
     @property
     def energy(self) -> float | None:
@@ -85,12 +85,12 @@ class KnownPattern:
     @cached_property
     def edge_phases(self) -> EdgePhases:
         """The phase changes along every edge."""
-        return self.growth.edge_phases(self.phases)
+        return self.one_form.edge_phases(self.phases)
 
     @cached_property
     def evenness(self) -> Evenness:
         """Evenness of the lines, against the target spacing."""
-        return evenness(self.edge_phases, self.growth.asked_rates)
+        return evenness(self.edge_phases, self.one_form.asked_rates)
 
     @property
     def vertex_phases(self) -> np.ndarray:
@@ -114,7 +114,7 @@ class KnownPattern:
 
 @dataclass(frozen=True)
 class Pattern(KnownPattern):
-    """A pattern with the problem that it solves; its phases are the solution's or others (:meth:`showing`)."""
+    """A pattern with the problem that it solves; its phases are the solution's or others (:meth:`with_phases`)."""
 
     problem: SynchronizationProblem
     solution: Solution
@@ -124,7 +124,7 @@ class Pattern(KnownPattern):
         """The energy of the phases."""
         return self.solution.energy if self.phases is self.solution.phases else self.problem.energy(self.phases)
 
-    def showing(self, phases: np.ndarray) -> "Pattern":
+    def with_phases(self, phases: np.ndarray) -> "Pattern":
         """The pattern with other phases of the same problem: a variation, or one with defects at chosen places."""
         return replace(self, phases=phases)
 
@@ -137,28 +137,28 @@ def pattern_problem(mesh: TriangleMesh, field: DirectionField, wishes: PatternWi
 def _pose_pattern(
     mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes
 ) -> tuple[TargetOneForm, SynchronizationProblem, Links]:
-    """The growth, the problem, and the links of phases to themselves, on mirrors and grid lines."""
+    """The one-form, the problem, and the links of phases to themselves, on mirrors and grid lines."""
     check_spacing(mesh.vertices[np.unique(mesh.triangles)], wishes.spacing)
     check_share(wishes.branching, "branching")
-    growth = _growth(mesh, field, wishes)
+    one_form = _target_one_form(mesh, field, wishes)
     slack = LEAN if wishes.mirrors else TOLERANCE
     try:
-        count = growth.phase_count * mesh.vertex_count
-        links, loops = split_links(count, [mirror.phase_links(growth) for mirror in wishes.mirrors])
+        count = one_form.phase_count * mesh.vertex_count
+        links, loops = split_links(count, [mirror.phase_links(one_form) for mirror in wishes.mirrors])
         rows = [row for row in wishes.rows if row.is_of_phases]
-        links, on_grid = add_grid_lines(growth, rows, links)
-        fixed, merged, drawn = phase_constraints(growth, [row for row in rows if row.kind != GRID], [links], slack)
+        links, on_grid = add_grid_lines(one_form, rows, links)
+        fixed, merged, drawn = phase_constraints(one_form, [row for row in rows if row.kind != GRID], [links], slack)
         fixed = snap_targets(fixed, loops, slack)
         loops = join_links([loops, link_to_themselves(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
     except ContradictionError as error:
-        raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), growth.phase_count)) from None
-    growth = growth.remove_curl(1 - wishes.branching, fixed, merged)
-    solved = growth.on_solver_edges
+        raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), one_form.phase_count)) from None
+    one_form = one_form.remove_curl(1 - wishes.branching, fixed, merged)
+    solved = one_form.on_solver_edges
     connection = add_self_edges(solved.connection, loops)
     # At a branching of 0 there is no curl left to remove.
     calmer = partial(solved.curl_removing_turns, fixed, merged) if wishes.branching > 0 else None
     problem = SynchronizationProblem(connection, solved.masses, merged, fixed, join_targets(drawn), calmer)
-    return growth, problem, loops
+    return one_form, problem, loops
 
 
 def stripe_pattern(
@@ -214,9 +214,9 @@ def solve_pattern(
     start : (k n,) complex phases from which the solve starts, optional
     show : called with preliminary patterns
     """
-    growth, problem, loops = _pose_pattern(mesh, field, wishes)
-    shows = None if show is None else lambda solution: show(_pattern_of(growth, problem, solution, loops))
-    return _pattern_of(growth, problem, solve(problem, options, callback, start, shows), loops)
+    one_form, problem, loops = _pose_pattern(mesh, field, wishes)
+    shows = None if show is None else lambda solution: show(_pattern_of(one_form, problem, solution, loops))
+    return _pattern_of(one_form, problem, solve(problem, options, callback, start, shows), loops)
 
 
 def next_pattern(
@@ -237,22 +237,22 @@ def next_pattern(
     hold : weight that draws the phases to those before, per mass and in units of 1 / spacing^2
     follower : takes only some steps, optional
     """
-    growth, problem, loops = _pose_pattern(mesh, field, wishes)
-    weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
-    return _pattern_of(growth, problem, next_solution(problem, before, options, callback, weights, follower), loops)
+    one_form, problem, loops = _pose_pattern(mesh, field, wishes)
+    weights = hold * one_form.masses * (one_form.rates.ravel() / (2 * np.pi)) ** 2
+    return _pattern_of(one_form, problem, next_solution(problem, before, options, callback, weights, follower), loops)
 
 
 def change_pattern(
     pattern: Pattern, correction: np.ndarray, options: Options | None = None, callback: Callback | None = None
 ) -> Pattern:
-    """The pattern solved again with an (e, k) correction, radians, added to the changes of its growth.
+    """Solve a pattern again with an (e, k) correction, radians, added to the changes of its one-form along the edges.
 
-    The pattern has its problem, and its growth a correction already; options and callback as :func:`core.solve.solve`.
+    The one-form must have a correction already. Options and callback as :func:`core.solve.solve`.
     """
-    growth = pattern.growth
-    problem = pattern.problem.turned_by(growth.connection_turns(correction))
-    growth = replace(growth, correction=growth.correction + correction)
-    return _pattern_of(growth, problem, solve(problem, options, callback), pattern.on_planes)
+    one_form = pattern.one_form
+    problem = pattern.problem.turned_by(one_form.connection_turns(correction))
+    one_form = replace(one_form, correction=one_form.correction + correction)
+    return _pattern_of(one_form, problem, solve(problem, options, callback), pattern.on_planes)
 
 
 def untangle(pattern: Pattern, options: Options | None = None, callback: Callback | None = None) -> Pattern:
@@ -260,29 +260,29 @@ def untangle(pattern: Pattern, options: Options | None = None, callback: Callbac
 
     The changes that it reached, without what dislocations add to them around triangles, are nearly those of phases.
     """
-    growth, problem, options = pattern.growth, pattern.problem, options or Options()
-    reached = growth.reaching(pattern.edge_phases.changes)
+    one_form, problem, options = pattern.one_form, pattern.problem, options or Options()
+    reached = one_form.reaching(pattern.edge_phases.changes)
     calm = reached.changes + reached.curl_removal(problem.fixed, problem.merged)
-    near = problem.turned_by(growth.connection_turns(calm - growth.changes))
+    near = problem.turned_by(one_form.connection_turns(calm - one_form.changes))
     start = solve(near, replace(options, method=FIRST), callback).phases
     solution = solve(problem, replace(options, method=COARSE), callback, start)
-    return _pattern_of(growth, problem, solution, pattern.on_planes)
+    return _pattern_of(one_form, problem, solution, pattern.on_planes)
 
 
 def _pattern_of(
-    growth: TargetOneForm, problem: SynchronizationProblem, solution: Solution, on_planes: Links
+    one_form: TargetOneForm, problem: SynchronizationProblem, solution: Solution, on_planes: Links
 ) -> Pattern:
     solution = snap_to_plane(problem, solution, on_planes)
-    return Pattern(growth, problem, solution, solution.phases, on_planes)
+    return Pattern(one_form, problem, solution, solution.phases, on_planes)
 
 
 def known_pattern(mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes, phases: np.ndarray) -> KnownPattern:
     """The pattern of (k n,) complex phases that are known, without problem and solution."""
-    growth = _growth(mesh, field, wishes) if wishes.branching == 1 else _pose_pattern(mesh, field, wishes)[0]
-    return KnownPattern(growth, None, None, phases)
+    one_form = _target_one_form(mesh, field, wishes) if wishes.branching == 1 else _pose_pattern(mesh, field, wishes)[0]
+    return KnownPattern(one_form, None, None, phases)
 
 
-def _growth(mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes) -> TargetOneForm:
+def _target_one_form(mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes) -> TargetOneForm:
     """The target one-form before curl is removed."""
-    growth = TargetOneForm.of(mesh, field, wishes.spacing)
-    return replace(growth, stretch=strip_stretch(growth, wishes.rows))
+    one_form = TargetOneForm.of(mesh, field, wishes.spacing)
+    return replace(one_form, stretch=strip_stretch(one_form, wishes.rows))

@@ -30,10 +30,10 @@ def variation(pattern: _Field, number: int) -> _Field:
     """
     ready = pattern.solution.variations
     if number < len(ready):
-        return pattern.showing(ready[number])
+        return pattern.with_phases(ready[number])
     if pattern.solution.lifted is None:
         raise SettingError("only the semidefinite method finds variations: choose it and solve again")
-    return pattern.showing(solve(pattern.problem, Options(method=COARSE, seed=number)).phases)
+    return pattern.with_phases(solve(pattern.problem, Options(method=COARSE, seed=number)).phases)
 
 
 def nearest_variation(pattern: _Field, numbers: Iterable[int]) -> int:
@@ -58,7 +58,7 @@ def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
     no direction has defects at all of them.
     """
     field = LiftedField(pattern.problem, pattern.solution)
-    count = pattern.growth.phase_count
+    count = pattern.one_form.phase_count
     vertices = check_vertices(vertices, pattern.mesh.vertex_count)
     if len(vertices) > field.most_defects:
         raise SettingError(
@@ -69,7 +69,7 @@ def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
         nodes = count * vertices + phase
         for attempt in range(TRIES):
             direction = field.direction(nodes) if attempt == 0 else field.random_direction(attempt, nodes)
-            shown = pattern.showing(field.phases(direction))
+            shown = pattern.with_phases(field.phases(direction))
             if _has_defects(shown, vertices):
                 if shown.energy is not None and shown.energy < least:
                     best, least = shown, shown.energy

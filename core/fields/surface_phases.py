@@ -28,25 +28,25 @@ class SurfacePhases:
         return self.edge_phases.mesh
 
 
-def surface_phases(mesh: TriangleMesh, pattern: LayerPattern, growth: SolidTargetOneForm) -> SurfacePhases:
+def surface_phases(mesh: TriangleMesh, pattern: LayerPattern, one_form: SolidTargetOneForm) -> SurfacePhases:
     """The phase of a pattern on the mesh that the solid fills, or on the solid's boundary where its edges are too long.
 
-    ``growth`` is the target that the pattern was solved for.
+    ``one_form`` is the target that the pattern was solved for.
     """
-    given = _on_surface(mesh, pattern, growth)
+    given = _on_surface(mesh, pattern, one_form)
     return SurfacePhases(given, False) if given is not None else SurfacePhases(_on_boundary(pattern), True)
 
 
-def _on_surface(mesh: TriangleMesh, pattern: LayerPattern, growth: SolidTargetOneForm) -> EdgePhases | None:
-    """Phases at the surface's vertices: the solid's at the nearest place, continued from there by the growth; None for
-    edges that are too long."""
+def _on_surface(mesh: TriangleMesh, pattern: LayerPattern, one_form: SolidTargetOneForm) -> EdgePhases | None:
+    """Phases at the surface's vertices: those at the solid's nearest point, continued from there by the one-form; None
+    if edges are too long for that."""
     solid = pattern.mesh
     boundary, source = solid.boundary_surface
     _, found = NearestTriangles(boundary.vertices, boundary.triangles).nearest(mesh.vertices)
     corners = source[boundary.triangles[found]]
     shares = nearest_in_triangles(mesh.vertices, np.moveaxis(solid.vertices[corners], 1, 0))
     places = np.einsum("pc,pcx->px", shares, solid.vertices[corners])
-    rates = np.einsum("pc,pcx->px", shares, growth.rates[corners])
+    rates = np.einsum("pc,pcx->px", shares, one_form.rates[corners])
     i, j = mesh.edges.T
     asked = 0.5 * np.einsum("ex,ex->e", rates[i] + rates[j], mesh.edge_vectors)
     if (np.abs(asked) > np.pi).mean() > COARSE_SHARE:

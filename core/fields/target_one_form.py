@@ -53,7 +53,7 @@ class TargetOneForm:
 
     @classmethod
     def of(cls, mesh: TriangleMesh, field: DirectionField, spacing: ArrayLike) -> "TargetOneForm":
-        """Growth across a direction field, so that the lines of the first phase run along it.
+        """The one-form across a direction field, so that the lines of the first phase run along it.
 
         Vectors and lines give one phase a vertex, crosses two. The spacing is the length of a period in the mesh's
         units, or (n,) one at each vertex; for crosses also (n, 2) or (1, 2), one along each of the field's two axes,
@@ -75,7 +75,7 @@ class TargetOneForm:
 
     @property
     def on_solver_edges(self) -> "TargetOneForm":
-        """The growth along the edges of its problem (see :attr:`TriangleMesh.posed`): the mesh's own where there is a
+        """The one-form along the edges of its problem (see :attr:`TriangleMesh.posed`): the mesh's own where there is a
         correction or a stretch of these."""
         if self.solver_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
             return self
@@ -104,7 +104,7 @@ class TargetOneForm:
         return changes if self.correction is None else changes + self.correction
 
     def reaching(self, changes: np.ndarray) -> "TargetOneForm":
-        """The growth with (e, k) changes in place of its own."""
+        """The one-form with (e, k) changes in place of its own."""
         return replace(self, correction=changes - self._uncorrected_changes)
 
     @cached_property
@@ -147,7 +147,7 @@ class TargetOneForm:
         return flips
 
     def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "TargetOneForm":
-        """The growth without a share of the curl of its changes, around triangles that keep their sheet.
+        """The one-form without a share of the curl of its changes, around triangles that keep their sheet.
 
         Constraints of the phases determine the changes along their edges.
         """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Repair of a mesh: the nearest surface that is manifold, oriented consistently and without faces of no area.
+"""Repair of a mesh: a surface of its faces that is manifold, consistently oriented and without faces of no area.
 
-Faces that cannot be part of a surface are left out. Where more than two meet in an edge, those that bend least stay
-joined; solids that touch in an edge are separated. Then vertices are split into fans.
+Faces that cannot be part of a surface are left out. Where more than two meet at an edge, those that bend least stay
+joined; solids that touch at an edge are separated. Then vertices are split, one copy for each fan of faces.
 """
 
 from dataclasses import dataclass, replace
@@ -26,11 +26,11 @@ KINDS = {
     "joined_vertices": ("vertex", "the same place as another on the other side of a gap", "they count as one"),
     "lost_vertices": ("vertex", "no finite position", "their faces are left out"),
     "flat_faces": ("face", "no area", "left out of the surface"),
-    "doubled_faces": ("face", "the same corners as another face", "they count once, and look like it"),
-    "non_manifold_edges": ("edge", "three or more faces", "those that bend least stay joined, others come apart"),
-    "pinched_vertices": ("vertex", "faces that touch only at this point", "they come apart"),
-    "turned_faces": ("face", "the opposite winding of their neighbours", "they count as turned over"),
-    "one_sided_edges": ("edge", "both sides of a one-sided surface", "it is open there, with the same on both sides"),
+    "doubled_faces": ("face", "the same corners as another face", "they count once, and show the same as it"),
+    "non_manifold_edges": ("edge", "three or more faces", "the two that bend least stay joined, others are separated"),
+    "pinched_vertices": ("vertex", "faces that touch only at this point", "they are separated"),
+    "turned_faces": ("face", "the opposite orientation of their neighbours", "they count as turned over"),
+    "one_sided_edges": ("edge", "both sides of a one-sided surface", "cut there, with the same pattern on both sides"),
 }
 # Findings whose vertices have copies, each with its own values.
 APART = ("non_manifold_edges", "pinched_vertices", "one_sided_edges")
@@ -51,7 +51,7 @@ class Finding:
 
     @property
     def kind(self) -> str:
-        """What it is of: "vertex", "edge" or "face"."""
+        """Kind of its elements: "vertex", "edge" or "face"."""
         return KINDS[self.name][0]
 
     @property
@@ -68,7 +68,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Carrier:
+class RepairedMesh:
     """The repaired surface, and the elements of the given mesh that its elements come from.
 
     Attributes
@@ -87,7 +87,7 @@ class Carrier:
     findings: tuple[Finding, ...]
 
 
-def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
+def repair_mesh(mesh: TriangleMesh, polygons: Polygons) -> RepairedMesh:
     """Repair a mesh that :func:`check_mesh` refuses; its triangles are those of the polygons.
 
     Raises MeshError if no face is left.
@@ -126,7 +126,7 @@ def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
         "turned_faces": np.flatnonzero(turned),
         "one_sided_edges": whole.edges[np.unique(whole.triangle_edges.ravel()[joins[seam, 0]])],
     }
-    return Carrier(
+    return RepairedMesh(
         surface,
         Polygons(corner_vertices[alike], polygons.starts, polygons.sizes, corners, faces, alike),
         source,
@@ -137,7 +137,7 @@ def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
 
 
 def find_seam_ends(mesh: TriangleMesh, across: np.ndarray) -> np.ndarray:
-    """Find the (k, 2) vertices that (s, 2) half-edges of a :class:`Carrier`'s seam join, without loops."""
+    """Find the (k, 2) pairs of vertices on the two sides of a seam, (s, 2) half-edges: a spanning forest of them."""
     pairs = mesh.triangles.ravel()[np.concatenate([across, next_half_edges(across)])]
     nodes, names = np.unique(pairs, return_inverse=True)
     names = names.reshape(pairs.shape)

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import MeshError
 from . import TriangleMesh
 from .check import check_mesh, coarse_places
-from .manifold_repair import Finding, carrier, find_seam_ends, finite_places
+from .manifold_repair import Finding, find_seam_ends, finite_places, repair_mesh
 from .polygons import Polygons
 from .welding import welded_vertices
 
@@ -149,7 +149,7 @@ class ObjectMesh:
         except MeshError:
             if strict or mesh.triangle_count == 0:
                 raise
-            found = carrier(mesh, polygons)
+            found = repair_mesh(mesh, polygons)
             coarse = coarse_places(mesh.vertices, mesh.edges)
             if coarse and "flat_faces" in {finding.name for finding in found.findings}:
                 raise MeshError(f"{self.name} has lost its shape: {coarse}") from None

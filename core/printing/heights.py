@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How high above what lies below it a bead is laid: the way down from it to the next layer, or out of the solid."""
+"""Heights of beads: the distance from each place on a layer down to the next layer, or to the end of the solid."""
 
 from dataclasses import dataclass
 
@@ -11,11 +11,11 @@ from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within
 from .subdivision import subdivide
 
-# What is below beside layers: the end of the solid, and nothing as far as it was looked for.
+# In place of a layer's number: the end of the solid is next, and neither within the depth of the search.
 OUTSIDE, NOTHING = -1, -2
-# Spacings that are looked down, and that are gone at once.
+# Depth of the search and length of its steps, in spacings.
 _DEPTH, _STRIDE = 3.0, 0.5
-# Longest edge of the triangles that are looked for, in spacings, and how many of them there may be.
+# Longest edge of the triangles that are searched, in spacings, and their largest number.
 _SIZE, _MOST = 0.75, 1_000_000
 # A layer does not lie on itself within this many spacings: its triangles around the point are not below it.
 _ITSELF = 0.3
@@ -24,39 +24,39 @@ _SLACK, _ON_LAYER = 1e-9, 1e-6
 
 @dataclass(frozen=True)
 class Below:
-    """What is below places.
+    """What lies below places on layers.
 
     Attributes
     ----------
-    heights : (n,) way down to it, scene units
-    layers : (n,) the layer, OUTSIDE where the solid ends first, or NOTHING
+    heights : (n,) distance down to it, scene units
+    layers : (n,) number of the layer, OUTSIDE if the solid ends first, or NOTHING
     """
 
     heights: np.ndarray
     layers: np.ndarray
 
     def at(self, points: np.ndarray) -> "Below":
-        """Of some of the places."""
+        """The same for some of the places."""
         return Below(self.heights[points], self.layers[points])
 
 
 def below(
     surfaces: LayerSurfaces, solid: TetMesh, points: np.ndarray, normals: np.ndarray, layers: np.ndarray, spacing: float
 ) -> Below:
-    """:class:`Below` of places on layers, against their normals.
+    """Find what lies below places on layers, along rays against their normals.
 
     Parameters
     ----------
     surfaces : LayerSurfaces
     solid : TetMesh
     points, normals : (n, 3)
-    layers : (n,) on which the points are
-    spacing : mean distance of layers; what is farther than three of them counts as NOTHING, at that height
+    layers : (n,) number of each point's layer
+    spacing : mean distance of layers; the search ends at three of them, with NOTHING at that height
     """
     sides, parents = zip(
         *(subdivide(mesh, _SIZE * spacing, _MOST) for mesh in (surfaces.mesh, solid.boundary_surface[0])), strict=True
     )
-    of = np.append(surfaces.layers[parents[0]], np.full(len(parents[1]), OUTSIDE))
+    layer_of = np.append(surfaces.layers[parents[0]], np.full(len(parents[1]), OUTSIDE))
     a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh in sides]), 1, 0)
     centres = (a + b + c) / 3
     around = np.sqrt(np.max([np.square(corner - centres).sum(axis=1) for corner in (a, b, c)]))
@@ -69,24 +69,26 @@ def below(
         for part in np.array_split(np.arange(len(going)), max(1, len(going) // 4096)):
             rays = going[part]
             which, targets = pairs_within(tree, middles[part], stride / 2 + around)
-            ways = _ways(points[rays[which]], -normals[rays[which]], a[targets], b[targets], c[targets])
-            kinds = of[targets]
+            distances = _distances(points[rays[which]], -normals[rays[which]], a[targets], b[targets], c[targets])
+            kinds = layer_of[targets]
             outward = np.einsum(
                 "kx,kx->k", np.cross(b[targets] - a[targets], c[targets] - a[targets]), normals[rays[which]]
             )
-            hit = (ways <= (number + 1) * stride) & (ways >= -_SLACK * spacing)
-            hit &= np.where(kinds == OUTSIDE, outward <= 0, (kinds != layers[rays[which]]) | (ways > _ITSELF * spacing))
-            # A layer on the end of the solid comes before that.
-            late = ways[hit] + _ON_LAYER * spacing * (kinds[hit] == OUTSIDE)
+            hit = (distances <= (number + 1) * stride) & (distances >= -_SLACK * spacing)
+            hit &= np.where(
+                kinds == OUTSIDE, outward <= 0, (kinds != layers[rays[which]]) | (distances > _ITSELF * spacing)
+            )
+            # Where a layer lies on the end of the solid, the layer counts.
+            late = distances[hit] + _ON_LAYER * spacing * (kinds[hit] == OUTSIDE)
             order = np.flatnonzero(hit)[np.argsort(-late, kind="stable")]
             # Of several assignments the last one stays, which is the nearest.
-            heights[rays[which[order]]], found[rays[which[order]]] = np.maximum(ways[order], 0), kinds[order]
+            heights[rays[which[order]]], found[rays[which[order]]] = np.maximum(distances[order], 0), kinds[order]
         going = going[found[going] == NOTHING]
     return Below(heights, found)
 
 
-def _ways(points: np.ndarray, directions: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """(k,) ways from points along unit directions to triangles, infinite past them (Möller and Trumbore 1997)."""
+def _distances(points: np.ndarray, directions: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """(k,) distances from points along unit directions to triangles, infinite if missed (Möller and Trumbore 1997)."""
     ab, ac = b - a, c - a
     across = np.cross(directions, ac)
     volume = np.einsum("kx,kx->k", ab, across)
@@ -95,6 +97,6 @@ def _ways(points: np.ndarray, directions: np.ndarray, a: np.ndarray, b: np.ndarr
     u = np.einsum("kx,kx->k", away, across) / safe
     side = np.cross(away, ab)
     v = np.einsum("kx,kx->k", directions, side) / safe
-    ways = np.einsum("kx,kx->k", ac, side) / safe
+    distances = np.einsum("kx,kx->k", ac, side) / safe
     inside = (volume != 0) & (u >= -_SLACK) & (v >= -_SLACK) & (u + v <= 1 + _SLACK)
-    return np.where(inside, ways, np.inf)
+    return np.where(inside, distances, np.inf)

@@ -78,7 +78,7 @@ class BakeSettings(SettingsRecord):
     margin: int = _bake_setting(
         16,
         "Margin",
-        "How far the image goes on beyond the edges of UV islands, so that no background shows at seams",
+        "Pixels by which the image continues beyond UV islands, so that seams show no background",
         unit=PIXELS,
         least=0,
         most=16384,
@@ -88,35 +88,37 @@ class BakeSettings(SettingsRecord):
     samples: int = _bake_setting(
         16,
         "Samples",
-        "For each pixel: more make edges smoother and take longer",
+        "Samples of each pixel: more make edges smoother and take longer",
         least=1,
         most=4096,
         usual=(None, 64),
         group="bake",
     )
-    uv_map: str = _bake_setting(
-        "", "UV Map", "Where on the image each face is; empty for the active map", unset="the active one"
-    )
+    uv_map: str = _bake_setting("", "UV Map", "UV map to bake over; empty for the active one", unset="the active one")
     unwrap: bool = _bake_setting(
         False, "Smart UV Project", f"Make the UV map if the mesh does not have it; where none is named, {NEW_MAP!r}"
     )
     folder: str = _bake_setting(
         "",
         "Folder",
-        "Where the files go; empty to pack the images into the .blend",
+        "Folder for the files; empty to pack the images into the .blend",
         names=FOLDER,
         unset="packed into the .blend of --output",
     )
     naming: str = _bake_setting(
-        "{object}_{map}", "Name", "Of each file or image; {object} and {map} are filled in", group="files", flag="name"
+        "{object}_{map}",
+        "Name",
+        "Name of each file or image; {object} and {map} are filled in",
+        group="files",
+        flag="name",
     )
     file_format: str = _bake_setting(
-        "PNG", "Format", "Kind of the images", choices=_FORMATS, group="files", flag="format"
+        "PNG", "Format", "File format of the images", choices=_FORMATS, group="files", flag="format"
     )
     material: bool = _bake_setting(
         False,
         "Material of Images",
-        "Show the images in place of the pattern; its material is kept, and is what the next bake shows",
+        "Show the images in place of the pattern; the pattern's material is kept for the next bake",
         group="files",
     )
     displacement: bool = _bake_setting(

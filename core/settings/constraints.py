@@ -14,15 +14,15 @@ PLACES = (
     Choice("sharp", "Sharp Edges", "Edges marked as sharp", "MOD_EDGESPLIT"),
     Choice("creases", "Creases", "Edges with a crease", "MOD_SUBSURF"),
     Choice("curve", "Curve", "A curve or drawn strokes of another object, projected to the surface", "CURVE_DATA"),
-    Choice("attribute", "Attribute", "Vertices, each with a direction or a phase of its own", "SPREADSHEET"),
+    Choice("attribute", "Attribute", "Vertices, each with its own direction or phase", "SPREADSHEET"),
 )
 WISHES = (
     Choice("along", "Along", "Stripes run along the line, or along the attribute's vectors"),
     Choice("across", "Across", "Stripes meet the line at a right angle"),
     Choice("angle", "Angle", "Stripes meet the line at an angle"),
     Choice("phase", "Phase", "A stripe lies on the line: its middle at 0°, the middle of a gap at 180°"),
-    Choice("constant", "Same Phase", "The line follows one stripe, at a distance from its middle that is left free"),
-    Choice("cut", "Cut", "Nothing is carried across: the panels on both sides have patterns of their own"),
+    Choice("constant", "Same Phase", "The line follows one stripe, at any distance from its middle"),
+    Choice("cut", "Cut", "The pattern does not continue across: each side has its own"),
 )
 # Places that need a name; the boundary may have the name of a group that restricts it.
 _NAMED = {"group": "a vertex group", "curve": "a curve object", "attribute": "an attribute"}

@@ -18,9 +18,9 @@ VELOCITY = "velocity"
 # Radius of the cores of curves in cells, and where tubes are shown.
 _CORE, _CORE_OF_TUBES = 0.5, 2.0
 _SHOWN = (
-    Choice("filaments", "Filaments", "Curves that carry the same circulation each"),
-    Choice("tubes", "Tubes", "Surfaces around the vorticity, coloured by the map; by the method Semidefinite"),
-    Choice("both", "Both", "Filaments and tubes, of one solve"),
+    Choice("filaments", "Filaments", "Curves, each of the same circulation"),
+    Choice("tubes", "Tubes", "Surfaces around the vorticity, coloured by the map; they need the method Semidefinite"),
+    Choice("both", "Both", "Filaments and tubes from one solve"),
 )
 
 
@@ -32,7 +32,7 @@ class FlowSettings(SolverSettings):
     resolution: int = _flow_setting(
         48,
         "Resolution",
-        "Nodes of the grid along its longest side; a NumPy file has a grid of its own",
+        "Nodes of the grid along its longest side; a NumPy file has its own grid",
         least=2,
         most=10_000,
         usual=(8, 128),
@@ -41,7 +41,7 @@ class FlowSettings(SolverSettings):
     share: float = _flow_setting(
         0.8,
         "Vorticity Carried",
-        "The circulation of one filament is the largest with which they carry so much of the vorticity",
+        "Share of the vorticity that filaments carry: the circulation of each is the largest with which they do",
         unit=SHARE,
         least=0.1,
         most=0.99,
@@ -49,7 +49,7 @@ class FlowSettings(SolverSettings):
     count: float | None = _flow_setting(
         None,
         "Filaments",
-        "So many through the plane with most vorticity",
+        "Number of filaments through the plane with the most vorticity",
         least=SMALLEST,
         start=4.0,
         usual=(0.1, 32),
@@ -59,7 +59,7 @@ class FlowSettings(SolverSettings):
     quantum: float | None = _flow_setting(
         None,
         "Circulation",
-        "Of one filament, in the units of the velocity times length",
+        "Circulation of one filament, in units of velocity times length",
         least=SMALLEST,
         start=1.0,
         usual=(1e-6, 100),
@@ -79,19 +79,19 @@ class FlowSettings(SolverSettings):
     attribute: str = _flow_setting(
         VELOCITY,
         "Attribute",
-        "Velocity on the vertices of the chosen mesh, which then shows the map itself, or grid of a volume",
+        "Velocity: an attribute of the chosen mesh's vertices, which then shows the map itself, or a grid of a volume",
         group="flow",
     )
     point: tuple[float, float, float] | None = _flow_setting(
         None,
         "Point",
-        "Point of the sphere: filaments are where the map shows its antipode, tubes around that",
+        "Point of the sphere: filaments are where the map takes its antipode, and tubes surround them",
         unset="the filaments of least energy",
     )
     opening: float = _flow_setting(
         60.0,
         "Width",
-        "How much of the sphere is inside a tube, degrees around the chosen point's antipode",
+        "Size of tubes: radius of their inside on the sphere, degrees around the chosen point's antipode",
         least=SMALLEST,
         most=179.9,
         usual=(1, 179),
@@ -100,7 +100,7 @@ class FlowSettings(SolverSettings):
     smoothing: int = _flow_setting(
         5,
         "Smoothing",
-        "How often points of filaments and tubes move to the middle of their neighbours",
+        "Number of smoothing steps, in which points of filaments and tubes move to the middle of their neighbours",
         least=0,
         most=MOST_ROUNDS,
         usual=(None, 20),
@@ -108,7 +108,7 @@ class FlowSettings(SolverSettings):
     unwrapped: bool = _flow_setting(
         False,
         "Unwrapped",
-        "Draw filaments in one piece where they leave a periodic box, instead of in parts that lie in it",
+        "Draw filaments that leave a periodic box in one piece, instead of in parts inside it",
         group="flow",
     )
     frames: tuple[int, int] | None = _flow_setting(
@@ -118,7 +118,7 @@ class FlowSettings(SolverSettings):
         unset="what the source shows now",
     )
     strict: bool = _flow_setting(
-        False, "Strict", "Refuse meshes that are not a surface, instead of solving on a repaired copy"
+        False, "Strict", "Refuse meshes that are not manifold, instead of solving on a repaired copy"
     )
 
     def __post_init__(self) -> None:

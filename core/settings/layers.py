@@ -77,11 +77,15 @@ LAYER_GUIDES = {
 HELD, CONSTANT = "layer", "constant"
 LAYER_WISHES = (
     Choice(HELD, "Layer on It", "A layer lies exactly on these faces"),
-    Choice(CONSTANT, "Parallel", "Layers run along each piece of these faces, at whichever distance"),
+    Choice(CONSTANT, "Parallel", "Layers run parallel to each piece of these faces, at any distance from it"),
 )
 _NUMBERS = (
-    Choice("pieces", "Of Pieces", "Each connected piece has a number of its own, from the bottom"),
-    Choice("levels", "Of Levels", "Pieces at one height have one number, each body's from its lowest layer on"),
+    Choice("pieces", "Of Pieces", "Each connected piece has its own number, counted from the bottom"),
+    Choice(
+        "levels",
+        "Of Levels",
+        "Pieces at the same height have the same number, counted in each body from its lowest layer",
+    ),
 )
 
 
@@ -182,7 +186,7 @@ class LayerSettings(SolverSettings):
     groups: str = _layer_setting(
         "",
         "Groups",
-        "What is asked on vertex groups' faces or on the boundary, such as Top=layer,Bottom=constant",
+        "Conditions on the faces of vertex groups or on the boundary, such as Top=layer,Bottom=constant",
         placeholder="NAME=WISH,...",
     )
     spacing: float | None = _layer_setting(
@@ -210,7 +214,7 @@ class LayerSettings(SolverSettings):
     divisions: int | None = _layer_setting(
         None,
         "Divisions",
-        "Layers in a period of the phase that is solved for: where layers end inside, as many end together",
+        "Number of layers in a period of the phase; where layers end inside the solid, so many end together",
         least=1,
         most=1000,
         unset="one, or as many as the tetrahedra need",
@@ -230,7 +234,8 @@ class LayerSettings(SolverSettings):
     branching: float = _layer_setting(
         1.0,
         "Branching",
-        "How much layers may branch to keep their distance: as much as even distances need, or at 0 hardly at all",
+        "How much layers may branch to keep their distance: at 100 % as much as even distances need, at 0 hardly at "
+        "all",
         unit=SHARE,
         least=0,
         most=1,
@@ -239,23 +244,23 @@ class LayerSettings(SolverSettings):
     smallest_height: float = _layer_setting(
         0.0,
         "Smallest Height",
-        "Of a layer: with limits they branch as little as keeps to these; 0 for none",
+        "Smallest height of a layer, 0 for no limit; layers branch only as much as the limits need",
         unit=LENGTH,
         least=0,
         group="layers",
     )
     largest_height: float = _layer_setting(
-        0.0, "Largest Height", "Of a layer, above the smallest one; 0 for none", unit=LENGTH, least=0, group="layers"
+        0.0, "Largest Height", "Largest height of a layer, 0 for no limit", unit=LENGTH, least=0, group="layers"
     )
     numbers: str = _layer_setting(
         "pieces",
         "Numbers",
-        "What counts as one layer: in the attribute, in files and where paths are ordered",
+        "What counts as one layer in the attribute, in files and in the order of paths",
         choices=_NUMBERS,
         group="layers",
     )
     strict: bool = _layer_setting(
-        False, "Strict", "Refuse meshes that are not a surface, instead of filling a repaired copy"
+        False, "Strict", "Refuse meshes that are not manifold, instead of filling a repaired copy"
     )
 
     def __post_init__(self) -> None:

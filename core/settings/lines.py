@@ -23,27 +23,27 @@ class LineSettings(SettingsRecord):
     width: float = _line_setting(
         0.0,
         "Width",
-        "Part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, 1 for those of gaps. "
-        "Quads have grid lines: 0",
+        "Width of a stripe as part of a period; its edges are drawn. 0 draws the middles of stripes and the grid "
+        "lines of quads, 1 the middles of gaps",
         least=0,
         most=1,
     )
     distance: float = _line_setting(
         0.1,
         "Distance",
-        "Between the points of a line, in spacings; 0 for where it crosses the mesh's edges",
+        "Distance between the points of a line, in spacings; 0 puts them where it crosses the mesh's edges",
         least=0,
         usual=(None, 1),
     )
     smoothing: int = _line_setting(
         6,
         "Smoothing",
-        "How often points move to the middle of their neighbours, before they are put back on the surface",
+        "Number of smoothing steps, in which points move to the middle of their neighbours and back to the surface",
         least=0,
         most=MOST_ROUNDS,
         usual=(None, 50),
     )
     radius: float = _line_setting(
-        0.1, "Radius", "Of tubes around the lines, in spacings; 0 for none", least=0, usual=(None, 0.5)
+        0.1, "Radius", "Radius of tubes around the lines, in spacings; 0 for none", least=0, usual=(None, 0.5)
     )
-    spline: str = _line_setting("poly", "Spline", "What the lines are made of", choices=_SPLINES)
+    spline: str = _line_setting("poly", "Spline", "Kind of spline", choices=_SPLINES)

@@ -17,7 +17,7 @@ METHODS = (
     Choice(
         "sdp",
         "Semidefinite",
-        "Best results, with a bound on what could still be gained: proved, or estimated for large ones",
+        "Best results, with a bound on what could still be gained: proved, or estimated for large meshes",
     ),
     Choice("spectral", "Spectral", "Fast and rough: one eigenvector"),
     Choice("diffusion", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
@@ -25,8 +25,8 @@ METHODS = (
 ROUNDINGS = (
     Choice("continuation", "Continuation", "Search from many projections for the least energy"),
     Choice("polish", "Polished", "The best of many random projections, and the local optimum below it"),
-    Choice("random", "Randomized", "The best of many random projections and the principal one, as it is"),
-    Choice("svd", "Singular Vector", "The principal projection, as it is"),
+    Choice("random", "Randomized", "The best of many random projections and the principal one, without descent"),
+    Choice("svd", "Singular Vector", "The principal projection, without descent"),
 )
 
 

@@ -27,7 +27,7 @@ _SYMMETRIES = (
     Choice("cross", "Cross", "Four directions at right angles, as for quads"),
 )
 _BOUNDARIES = (
-    Choice("free", "Free", "Nothing is asked of the boundary"),
+    Choice("free", "Free", "No condition at the boundary"),
     Choice("along", "Along", "Directions run along the boundary"),
     Choice("across", "Across", "Directions meet the boundary at a right angle"),
     Choice("phase", "Line on It", "Directions run along the boundary and a stripe or grid line lies exactly on it"),
@@ -36,10 +36,10 @@ _SURFACES = (
     Choice(
         "automatic",
         "Automatic",
-        "The object's own faces where they are fine enough, else a finer surface that follows them",
+        "The object's own faces if they are fine enough, else a finer surface that follows them",
     ),
     Choice("faces", "Own Faces", "The object's own faces as they are, before its modifiers"),
-    Choice("seen", "What Is Seen", "What the modifiers make of the object; the mesh itself stays as it is"),
+    Choice("seen", "With Modifiers", "The result of the object's modifiers; the mesh itself is not changed"),
 )
 _TURN = {"unit": ANGLE, "usual": (-math.pi, math.pi)}
 _ANY_FACTOR = {"unit": FACTOR, "least": 1e-3, "usual": (0.25, 4.0)}
@@ -58,7 +58,7 @@ class SurfaceSettings(SolverSettings):
     symmetry: str = setting(
         "line",
         "Symmetry",
-        "What is the same at a point: one direction, a line or a cross",
+        "Directions that count as the same at a point: one, two opposite ones, or the four of a cross",
         choices=_SYMMETRIES,
         commands=tuple(command for command in SURFACES if command not in QUADS),
         group="directions",
@@ -86,7 +86,7 @@ class SurfaceSettings(SolverSettings):
         **_TURN,
         part_of="angle_attribute",
     )
-    boundary: str = _direction_setting("free", "Boundary", "What happens at open edges", choices=_BOUNDARIES)
+    boundary: str = _direction_setting("free", "Boundary", "How directions meet open edges", choices=_BOUNDARIES)
     vertex_group: str = _direction_setting(
         "", "Vertex Group", "Restrict the boundary to open edges with both ends in this group"
     )
@@ -99,24 +99,24 @@ class SurfaceSettings(SolverSettings):
     singularities: float | None = _direction_setting(
         None,
         "Singularities",
-        "How many singular points directions may have to stay smooth: all that the shape's bumps call for, or at 0 the "
-        "fewest that it allows, where directions bend more and quads vary in size instead",
+        "Share of the singular points that the smoothest directions have: at 0 there are as few as the shape allows, "
+        "and directions bend more and quads vary in size instead",
         **_SHARE,
         variants={
             "": Variant(1.0, "", ""),
             "quad_mesh": Variant(
                 0.95,
                 "Mesh Singularities",
-                "How many singular points the directions of quad meshes may have to stay smooth: with fewer, "
-                "those go that bend the least, and irregular vertices with them; at 0 there are the fewest that the "
-                "shape allows, and quads vary in size instead",
+                "Share of the singular points that the smoothest directions have; they become the irregular vertices "
+                "of quad meshes. Less removes the least important ones; at 0 there are as few as the shape allows, "
+                "and quads vary in size instead",
             ),
         },
     )
     constraints: tuple[Constraint, ...] | None = setting(
         None,
         "Constraints",
-        "What is asked of the pattern along lines of the mesh, as a JSON file of rows",
+        "Conditions on the pattern along lines of the mesh, as a JSON file of rows",
         unset="the object's own list",
         commands=SURFACES,
         placeholder="ROWS.json",
@@ -124,7 +124,7 @@ class SurfaceSettings(SolverSettings):
     pins: str | None = setting(
         None,
         "Pins",
-        "Faces around which directions turn as often as is said here, in halves for lines and quarters for crosses",
+        "How often directions turn around chosen faces, in halves for lines and quarters for crosses",
         unset="the object's own pins",
         commands=SURFACES,
         placeholder="FACE=TURNS,...",
@@ -154,17 +154,16 @@ class SurfaceSettings(SolverSettings):
     branching: float | None = setting(
         None,
         "Branching",
-        "How much lines may branch to keep their distance: as much as even spacing needs, or at 0 hardly at all, where "
-        "lines are nearer to and further from one another instead",
+        "How much lines may branch to keep their distance: at 100 % as much as even spacing needs, at 0 hardly at "
+        "all, and their distance varies instead",
         **_SHARE,
         variants={
             "": Variant(1.0, "", ""),
             "quad_mesh": Variant(
                 0.0,
                 "Mesh Branching",
-                "How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over "
-                "and vary in size; with all branches their sizes are most even, but faces of five and six corners lie "
-                "between",
+                "How much the lines of quad meshes may branch to keep their distance: at 0 all faces are quads and "
+                "vary in size; at 100 % their sizes are most even, with faces of five and six corners between them",
             ),
         },
         commands=PATTERNS,
@@ -173,8 +172,8 @@ class SurfaceSettings(SolverSettings):
     aspect: float = setting(
         1.0,
         "Aspect",
-        "Spacing of quads along their second direction over that along the first, the one nearer to X; only where the "
-        "two never change places around a disclination",
+        "Spacing of quads along their second direction over that along the first, the one nearer to X; not possible "
+        "if a singular point exchanges the two",
         **_ANY_FACTOR,
         commands=QUADS,
         group="quads",
@@ -182,7 +181,7 @@ class SurfaceSettings(SolverSettings):
     faces: int = _quad_mesh_setting(
         0,
         "Face Count",
-        "About how many faces the quad mesh is to have, whatever the spacing; 0 for as many as that gives",
+        "Approximate number of faces of the quad mesh, in place of the spacing; 0 to use the spacing",
         least=0,
         most=10_000_000,
         usual=(None, 100_000),
@@ -199,7 +198,7 @@ class SurfaceSettings(SolverSettings):
     smoothing: int = _quad_mesh_setting(
         10,
         "Smoothing",
-        "How often the quad mesh's vertices move to where faces are nearer to squares, on the surface",
+        "Number of smoothing steps, in which the quad mesh's vertices move on the surface to make faces squarer",
         least=0,
         most=MOST_ROUNDS,
         usual=(None, 20),
@@ -207,14 +206,14 @@ class SurfaceSettings(SolverSettings):
     loops: float = _quad_mesh_setting(
         0.0,
         "Loops",
-        "How much the quad mesh may give up for short loops around limbs and handles: at 0 nothing, and it is as "
-        "smooth as can be; at 100 % whatever closes them. Takes three to ten times as long, and needs no branching",
+        "How much smoothness the quad mesh may lose for short closed loops around limbs and handles: at 0 none, at "
+        "100 % as much as closing them takes. Takes three to ten times as long, and requires a branching of 0",
         **_SHARE,
     )
     surface: str = setting(
         "automatic",
         "Surface",
-        "What the pattern is solved and shown on",
+        "The surface that the pattern is solved and shown on",
         choices=_SURFACES,
         commands=SURFACES,
         group="pattern",
@@ -228,7 +227,7 @@ class SurfaceSettings(SolverSettings):
     strict: bool = setting(
         False,
         "Strict",
-        "Refuse meshes that are not a surface, instead of solving on a repaired copy, and results with faults",
+        "Refuse meshes that are not manifold, instead of solving on a repaired copy, and results with faults",
         commands=SURFACES,
     )
 

@@ -35,7 +35,7 @@ DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
 # Share of the curl that is removed from the problem on which most of the search for phases is made.
 CURL_SHARE = 0.1
-# A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
+# A rounded relaxation with at most this gap counts as an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
 # How many times as long as a first field a bound takes, about (measured in bench/README.md).
 PROOF_IN_FIRSTS = 3.0

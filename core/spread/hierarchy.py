@@ -45,22 +45,22 @@ class SpreadLevel:
 class SpreadHierarchy:
     """Covariant smoothed aggregation of a connection Laplacian with one complex row per node."""
 
-    def __init__(self, levels: list[SpreadLevel], held: SpreadReductions) -> None:
-        self.levels, self._held = levels, held
+    def __init__(self, levels: list[SpreadLevel], reductions: SpreadReductions) -> None:
+        self.levels, self._reductions = levels, reductions
 
     @classmethod
-    def of(cls, whole: PETSc.Mat, row_mass: np.ndarray, held: SpreadReductions) -> Self:
+    def of(cls, whole: PETSc.Mat, row_mass: np.ndarray, reductions: SpreadReductions) -> Self:
         """Build the hierarchy of a Hermitian PETSc matrix and the (N,) mass of its rows."""
         random, row_mass = np.random.default_rng(0), row_mass.astype(np.float32)
         levels: list[SpreadLevel] = []
         while True:
-            matrix, largest = _single_precision(whole, random, held)
-            tentative = _tentative(whole, random, held)
+            matrix, largest = _single_precision(whole, random, reductions)
+            tentative = _tentative(whole, random, reductions)
             way = None if tentative is None else _smooth_prolongation(tentative, whole, matrix, largest)
             prolongation = None if way is None else SpreadRows.of(way, np.complex64)
             levels.append(SpreadLevel(matrix, row_mass, largest, prolongation, whole, way))
             if tentative is None:
-                return cls(levels, held)
+                return cls(levels, reductions)
             whole, row_mass = _galerkin_product(whole, way), coarse_mass(tentative, row_mass)
 
     def lowered(self, diagonal: np.ndarray, depth: int = 0) -> "SpreadHierarchy | None":
@@ -70,13 +70,13 @@ class SpreadHierarchy:
         for level in self.levels[depth:]:
             whole = level.whole.copy()
             whole.axpy(-1, change, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-            if self._held.max(-whole.getDiagonal().array.real.min(initial=np.inf)) >= 0:
+            if self._reductions.max(-whole.getDiagonal().array.real.min(initial=np.inf)) >= 0:
                 return None
-            matrix, largest = _single_precision(whole, random, self._held)
+            matrix, largest = _single_precision(whole, random, self._reductions)
             levels.append(SpreadLevel(matrix, level.row_mass, largest, level.prolongation, whole, level.way))
             if level.way is not None:
                 change = _galerkin_product(change, level.way)
-        return SpreadHierarchy(levels, self._held)
+        return SpreadHierarchy(levels, self._reductions)
 
     def rows(self, depth: int) -> SpreadRows:
         """Take the matrix of a level, for products."""
@@ -99,8 +99,8 @@ class SpreadHierarchy:
 
     def factorized(self, level: SpreadLevel, scale: np.ndarray) -> "_Gathered | None":
         """Factorize the smallest level with (N,) scales of its rows; None if it is not positive definite."""
-        factors = definite_factors(level.matrix.unit_diagonal(scale).gathered(self._held.comm))
-        return None if factors is None else _Gathered(factors, self._held.comm, len(scale))
+        factors = definite_factors(level.matrix.unit_diagonal(scale).gathered(self._reductions.comm))
+        return None if factors is None else _Gathered(factors, self._reductions.comm, len(scale))
 
 
 class _Gathered:
@@ -119,20 +119,20 @@ class _Gathered:
 
 
 def _single_precision(
-    whole: PETSc.Mat, random: np.random.Generator, held: SpreadReductions
+    whole: PETSc.Mat, random: np.random.Generator, reductions: SpreadReductions
 ) -> tuple[SpreadRows, float]:
     """Take the rows of a PETSc matrix in single precision, and bound the spectrum of D^-1 matrix."""
     matrix = SpreadRows.of(whole, np.complex64)
-    return matrix, largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random, held)
+    return matrix, largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random, reductions)
 
 
-def _tentative(whole: PETSc.Mat, random: np.random.Generator, held: SpreadReductions) -> csr_matrix | None:
+def _tentative(whole: PETSc.Mat, random: np.random.Generator, reductions: SpreadReductions) -> csr_matrix | None:
     """Aggregate the rows held here, (N, coarse); None for a matrix that is small or hardly gets smaller."""
     size = whole.getSize()[0]
     if size <= SMALLEST_LEVEL:
         return None
     tentative, _ = aggregates(local_block(whole, np.complex64), 1, None, random)
-    return None if held.sum(tentative.shape[1]) > STAGNATION * size else tentative
+    return None if reductions.sum(tentative.shape[1]) > STAGNATION * size else tentative
 
 
 def _smooth_prolongation(tentative: csr_matrix, whole: PETSc.Mat, matrix: SpreadRows, largest: float) -> PETSc.Mat:

@@ -68,19 +68,19 @@ def piece_of(part: Part, comm: MPI.Comm) -> tuple[Piece, PETSc.Mat, float]:
     whole : the matrix of all processes
     weight : divisor of the energies
     """
-    held, count = SpreadReductions(comm), part.connection.node_count
+    reductions, count = SpreadReductions(comm), part.connection.node_count
     laplacian, factor = _laplacian(part), _factor(part)
-    weight = float(held.sum(laplacian.diagonal(part.first).real.sum())) / count
+    weight = float(reductions.sum(laplacian.diagonal(part.first).real.sum())) / count
     whole = petsc_matrix(laplacian / weight, comm, part.count)
     piece = Piece(
         SpreadRows.of(whole, complex),
         SpreadRows.of(petsc_matrix(factor / np.sqrt(weight), comm, part.count), complex),
-        part.mass * (count / held.sum(part.mass.sum())),
+        part.mass * (count / reductions.sum(part.mass.sum())),
         block=1,
         is_complex=True,
         ground=None,
         rows=np.arange(part.first, part.first + part.count),
-        held=held,
+        reductions=reductions,
     )
     return piece, whole, weight
 

@@ -53,8 +53,8 @@ def solve_parts(part: Part, comm: MPI.Comm, target_gap: float = 1e-2, seed: int 
     with solving():
         with clock("build"):
             piece, whole, weight = piece_of(part, comm)
-            assert isinstance(piece.held, SpreadReductions)
-            hierarchy: Any = SpreadHierarchy.of(whole, piece.row_mass, piece.held)  # as a Hierarchy is used
+            assert isinstance(piece.reductions, SpreadReductions)
+            hierarchy: Any = SpreadHierarchy.of(whole, piece.row_mass, piece.reductions)  # as a Hierarchy is used
             workspace = Workspace(piece, hierarchy)
         found = relax(workspace, own, SILENT, clock)
         with clock("round"):
@@ -67,7 +67,7 @@ def solve_parts(part: Part, comm: MPI.Comm, target_gap: float = 1e-2, seed: int 
 def _round_columns(workspace: Workspace, found: Relaxation, seed: int) -> np.ndarray:
     """Compute (N, 1) phases as the best of random projections (Eq. 29) after descent in the metric of fields."""
     piece, stage = workspace.piece, workspace.stages[0]
-    spheres = CirclesByFields(1, held=piece.held)
+    spheres = CirclesByFields(1, reductions=piece.reductions)
     lifted = found.lifted.astype(stage.matrix.dtype)
     directions = random_directions(True, lifted.shape[1], PROJECTIONS - 1, np.random.default_rng(seed))
 

@@ -98,7 +98,7 @@ class _Search:
 
     def __init__(self, request: "SurfaceRequest", given: _Closed, unit: float, monitor: Monitor) -> None:
         self._request, self._given, self._monitor = request, given, monitor
-        numbers = given.pattern.growth.changes.size
+        numbers = given.pattern.one_form.changes.size
         check_memory(8 * numbers * HELD_ARRAYS * MOST_CLASSES, "closing loops")
         self._closing = LoopClosing(given.pattern, request.mirrors)
         self._walks = MeshWalks(given.pattern.mesh)

@@ -210,7 +210,7 @@ class FlowResult:
         """The result without what only solves need: some 200 bytes a node."""
         found = self.found.lean
         sphere = None if self.sphere is None else replace(self.sphere, found=found)
-        return replace(self, found=found, sphere=sphere, seen=found.showing(self.seen.phases))
+        return replace(self, found=found, sphere=sphere, seen=found.with_phases(self.seen.phases))
 
     def again(self, settings: FlowSettings) -> "FlowResult":
         """The same solve shown with another point, width or smoothing."""

@@ -27,7 +27,7 @@ class LiveRequest:
     Attributes
     ----------
     asked : stripes or quads, on the mesh of the shown pattern
-    field : the shown directions; their solution and problem are not used
+    field : the shown directions, without problem and solution
     phases : (k n,) complex phases that are shown
     turns_only : whether only the angle of the directions has changed
     followers : of the directions and of the pattern, the same in all requests of a session
@@ -76,4 +76,4 @@ class LiveRequest:
         phases = (1 - share) * self.phases + share * result.pattern.phases
         size = np.abs(phases)
         phases = np.where(size > 0, phases, result.pattern.phases) / np.where(size > 0, size, 1)
-        return replace(result, pattern=result.pattern.showing(phases))
+        return replace(result, pattern=result.pattern.with_phases(phases))

@@ -73,9 +73,9 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
 def _first_factor(request: "SurfaceRequest", directions: DirectionField) -> float:
     """The factor of the spacing for the wanted number of faces, estimated from the area."""
     faces = request.settings.faces
-    growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
+    one_form = TargetOneForm.of(request.given.mesh, directions, request.spacings)
     least = least_factor(request.given.mesh, request.spacings, faces)
-    return max(float(np.sqrt(YIELD * growth.quad_count / faces)), least)
+    return max(float(np.sqrt(YIELD * one_form.quad_count / faces)), least)
 
 
 def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> "SurfaceResult":
@@ -176,7 +176,7 @@ class _Draft:
         pattern = self.result.pattern
         if not self.request.has_only_quads:
             return len(self.request.trace(pattern)[0].sizes)
-        return pattern.growth.reaching(pattern.edge_phases.changes).quad_count
+        return pattern.one_form.reaching(pattern.edge_phases.changes).quad_count
 
     @cached_property
     def dislocations(self) -> int:

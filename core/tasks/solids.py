@@ -54,9 +54,13 @@ class SolidGuide:
 
 
 @dataclass(frozen=True)
-class AskedArea:
-    """A part of the surface that layers follow, with its phase in radians, 0 for a layer on it; None leaves the phase
-    to the solver, one for each piece of the area."""
+class FlushArea:
+    """An area of the surface that layers are flush with: on it the phase is constant.
+
+    Attributes
+    ----------
+    phase : radians, 0 for a layer on the area; None leaves one phase for each piece of the area to the solver
+    """
 
     area: Area
     phase: float | None
@@ -70,7 +74,7 @@ class SolidRequest:
     ----------
     solid : the given solid whose boundary is the surface; None for one that fills it
     factors : (n,) at the surface's vertices, by which the spacing is multiplied; None for 1
-    branching : share of the growth's curl that is kept (:func:`core.fields.layers.layer_problem`)
+    branching : share of the target one-form's curl that is kept (:func:`core.fields.layers.layer_problem`)
     limits : of the distance of layers, in scene units
     by_level : number levels instead of connected pieces
     """
@@ -78,7 +82,7 @@ class SolidRequest:
     surface: ClosedSurface
     solid: TetMesh | None
     guide: SolidGuide
-    asked: tuple[AskedArea, ...]
+    flush_areas: tuple[FlushArea, ...]
     lengths: Lengths
     factors: np.ndarray | None
     options: Options
@@ -105,14 +109,14 @@ class SolidRequest:
         with clock("build"):
             directions, continued, spacings, groups = monitor.during(lambda: self._follow_guide(filled))
             divisions = self.lengths.divisions
-            growth = SolidTargetOneForm.of(solid, directions, divisions * spacings)
-            refuse_too_many_layers(divisions * growth.changes)
-            groups = choose_levels(growth, groups, divisions)
+            one_form = SolidTargetOneForm.of(solid, directions, divisions * spacings)
+            refuse_too_many_layers(divisions * one_form.changes)
+            groups = choose_levels(one_form, groups, divisions)
         solving = portion(progress, _PHASES, _SURFACES - _PHASES)
         limits = Limits(divisions * self.limits.smallest, divisions * self.limits.largest)
-        pattern, growth = solve_within(growth, limits, groups, self.options, solving, self.branching)
+        pattern, one_form = solve_within(one_form, limits, groups, self.options, solving, self.branching)
         outside = limits.outside_share(pattern)
-        pattern, growth = pattern.divided(divisions).rested(groups), growth.divided(divisions)
+        pattern, one_form = pattern.divided(divisions).start_half_a_layer_up(groups), one_form.divided(divisions)
         monitor.at("layers", _SURFACES)
         with clock("extract"):
             surfaces = monitor.during(
@@ -122,7 +126,7 @@ class SolidRequest:
                 raise SettingError(_no_layer(self.lengths.spacing * float(np.ptp(pattern.heights)) / TURN))
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             ends = curve_ends(solid, surfaces, curves)
-            phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
+            phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, one_form))
             far = monitor.during(lambda: self._far_shares(surfaces))
         warnings = (
             *self._about_loss(solid),
@@ -131,7 +135,7 @@ class SolidRequest:
             *self._about_far(far),
             *self._about_directions(continued),
             *self._about_limits(outside),
-            *_about_edges(growth, divisions),
+            *_about_edges(one_form, divisions),
             *_about_divisions(divisions, curves),
         )
         return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
@@ -146,7 +150,7 @@ class SolidRequest:
     def _fill(self) -> TetMesh:
         if self.solid is not None:
             return self.solid
-        return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
+        return self.surface.filled(self.lengths.size, [flush.area for flush in self.flush_areas])
 
     def _follow_guide(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
         """Directions, the share of those that are continued, spacings and groups on the solid."""
@@ -154,12 +158,12 @@ class SolidRequest:
         spacings: float | np.ndarray = self.lengths.spacing
         if self.factors is not None:
             spacings = self.limits.clipped(spacings * filled.inside(self.factors))
-        return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
+        return directions, continued, spacings, [filled.group_on(flush.area, flush.phase) for flush in self.flush_areas]
 
     def _far_shares(self, surfaces: LayerSurfaces) -> dict[str, float]:
         """By their names, the share of each area that should carry a layer which is far from all layers."""
         mesh, spacing = self.surface.mesh, self.lengths.spacing
-        held = [asked.area for asked in self.asked if asked.phase == 0]
+        held = [flush.area for flush in self.flush_areas if flush.phase == 0]
         return {area.name: far_share(mesh, area.triangles, surfaces, spacing) for area in held}
 
     def _about_loss(self, solid: TetMesh) -> Iterator[str]:
@@ -201,12 +205,12 @@ class SolidRequest:
             )
 
     def _about_rims(self, filled: FilledSurface, groups: Sequence[LayerGroup]) -> Iterator[str]:
-        for asked, group in zip(self.asked, groups, strict=True):
-            covered = filled.covered_share(asked.area, group.triangles)
+        for flush, group in zip(self.flush_areas, groups, strict=True):
+            covered = filled.covered_share(flush.area, group.triangles)
             if covered < COVERED:
                 finer = self.lengths.size * (1 - COVERED) / (1 - covered)
                 yield (
-                    f"the solid's triangles cover {covered:.0%} of {asked.area.name}, where they do not cut off its "
+                    f"the solid's triangles cover {covered:.0%} of {flush.area.name}, where they do not cut off its "
                     f"rim: tetrahedra of a size of about {finer:.2g} would do"
                 )
 
@@ -242,8 +246,8 @@ class SolidResult:
         return self.pattern.mesh
 
 
-def _about_edges(growth: SolidTargetOneForm, divisions: int) -> Iterator[str]:
-    coarse = float((np.abs(growth.changes) > np.pi * divisions).mean())
+def _about_edges(one_form: SolidTargetOneForm, divisions: int) -> Iterator[str]:
+    coarse = float((np.abs(one_form.changes) > np.pi * divisions).mean())
     if coarse > COARSE_SHARE:
         yield (
             f"the spacing is finer than the solid can carry on {coarse:.0%} of its edges: "

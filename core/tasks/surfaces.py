@@ -236,12 +236,14 @@ class SurfaceRequest:
     def _pattern_result(
         self, directions: DirectionField, progress: Callback | None
     ) -> Callable[[Pattern], "PatternResult"]:
-        """What makes the result of a pattern; the number of dislocations is told, and faults are found, before it."""
-        growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
-        # Tell the number of dislocations before the solve.
-        forced = growth.forced_dislocations
+        """A function that makes the result of a pattern.
+
+        The progress line shows the number of dislocations, and faults are found, before the solve.
+        """
+        one_form = TargetOneForm.of(self.given.mesh, directions, self.spacings)
+        forced = one_form.forced_dislocations
         Monitor(progress).at(f"pattern, {forced:.0f} dislocations asked for", 0.0)
-        warnings = self.accept_faults(self._coarse_faults(growth.coarse_share))
+        warnings = self.accept_faults(self._coarse_faults(one_form.coarse_share))
         return lambda pattern: PatternResult(directions, pattern, None, forced, warnings)
 
     def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, KnownPattern]:

@@ -20,7 +20,7 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.settings.bake import MAPS, NEW_MAP
 from synch_fields.docs.make.sheets import beside
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.bakes.stage import read_uv
+from synch_fields.synch_addon.bakes.scene_copy import read_uv
 from synch_fields.synch_addon.blender import files, meshes
 from synch_fields.synch_addon.looks.render import render_picture
 

@@ -24,10 +24,10 @@ from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import shaders
-from .stage import make_stage, read_uv, write_uv
+from .scene_copy import make_scene_copy, read_uv, write_uv
 
-# How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
-# smaller than this they are as far apart as in one of this size, for not to vanish.
+# Largest distance of the islands of a new map, in pixels, as a curved surface has hundreds of them. In images below
+# the size _SMALL it is the same share of the map as at that size, so that islands do not vanish.
 _APART, _SMALL = 4, 256
 # The largest number of a 16-bit PNG.
 _MOST_NUMBER = 65535
@@ -36,10 +36,10 @@ _MOST_MAPS = 8
 
 
 class BakeJob:
-    """A bake in pieces, between which a window can be drawn and the whole be cancelled; see :mod:`..jobs.job`.
+    """A bake in steps, between which the window is drawn and the bake can be cancelled; see :mod:`..jobs.job`.
 
-    Everything that can be is refused before work begins. Files and images come to be when all maps are baked, so that
-    an error or a cancellation leaves neither.
+    Settings are checked before the first bake. Files and images are made after the last one, so that an error or a
+    cancellation leaves none.
 
     Parameters
     ----------
@@ -69,12 +69,12 @@ class BakeJob:
         self._pieces.close()
 
     def write(self, _):
-        """Everything is written; returns the report."""
+        """Return the report: the bake has written everything itself."""
         return self._report
 
 
 def _baking(link, settings):
-    """Bake, yielding each piece's name before it is done and the share that is; returns the report."""
+    """Bake; yields the name of each step before it, and the share of the work done so far; returns the report."""
     obj = link.found  # from here on the window is held, and the object with it
     with meshes.object_mode(obj):
         start = time.perf_counter()
@@ -86,8 +86,8 @@ def _baking(link, settings):
         with tempfile.TemporaryDirectory(prefix=own_name(), dir=folder or bpy.app.tempdir) as temporary:
             if is_new:
                 yield "unwrap", 0.0
-                with make_stage(obj, modifiers=False) as stage:
-                    coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
+                with make_scene_copy(obj, modifiers=False) as copy:
+                    coordinates = copy.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
             yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report)
             with whole_or_nothing():
                 images = _put_files(obj, settings, Path(temporary), folder, report)
@@ -178,7 +178,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     is_signed = kind == "stripes" and blender_phases.is_signed(obj, polygons, phases[0])
     if "phase" in settings.maps:
         report["phase"] = shaders.phase_channels(kind, is_signed)
-    # What is baked, with what materials, with how many samples, and the channels of each map.
+    # Kind of bake, materials, samples, and for each map the channels of the image that it takes.
     passes = (
         ("EMIT", lambda: shaders.glowing_pattern(materials, kind), settings.samples, {"mask": [0], "height": [1]}),
         ("EMIT", lambda: shaders.glowing_colours(materials, kind), settings.samples, {"colour": [0, 1, 2]}),
@@ -191,43 +191,44 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
             continue
         yield wanted[0], len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
-        with make_stage(obj) as stage:
-            stage.use_map(report["uv_map"], coordinates)
-            values = stage.bake(bake_type, glowing(), settings.size, samples, settings.margin)
+        with make_scene_copy(obj) as copy:
+            copy.use_map(report["uv_map"], coordinates)
+            values = copy.bake(bake_type, glowing(), settings.size, samples, settings.margin)
             for name in wanted:
                 path = folder / bake_images.file_name(settings, obj.name, name)
-                bake_images.save(values[:, :, channels[name]], path, settings, name, stage.scene)
+                bake_images.save(values[:, :, channels[name]], path, settings, name, copy.scene)
         _describe(report, wanted, settings, start)
     if "index" in settings.maps:
         yield "index", len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
-        with make_stage(obj, modifiers=False) as stage:
-            found = _numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
+        with make_scene_copy(obj, modifiers=False) as copy:
+            found = _numbers_at(copy, polygons, coordinates, numbering, settings.size, settings.margin)
             values = _number_values(found, numbering.count, settings, report)
             path = folder / bake_images.file_name(settings, obj.name, "index")
-            bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
+            bake_images.save(values[:, :, None], path, settings, "index", copy.scene)
         _describe(report, ["index"], settings, start)
     yield "write", 1.0
 
 
-def _numbers_at(stage, polygons, coordinates, numbering, size, margin):
+def _numbers_at(copy, polygons, coordinates, numbering, size, margin):
     """(size, size) numbers of stripes or quads at the middle of each pixel, 0 where there is no face.
 
-    The faces are laid out flat in a stage of their own, as their corners' UV coordinates tell.
+    The copy's mesh is replaced by its triangles laid out flat in the UV map; a bake of their indices and barycentric
+    coordinates tells for each pixel which place of the surface it shows.
     """
     corners = polygons.triangle_corners
     flat = np.column_stack([coordinates[corners.ravel()], np.zeros(corners.size)])
     data = new_mesh("Synch Bake", flat, np.arange(corners.size).reshape(-1, 3))
     data.uv_layers.new(name="Synch Bake").uv.foreach_set("vector", flat[:, :2].astype(np.float32).ravel())
-    stage.obj.modifiers.clear()
-    stage.obj.data = data
+    copy.obj.modifiers.clear()
+    copy.obj.data = data
     data.materials.append(None)
-    attributes.write_attribute(stage.obj, "triangle", "FACE", "INT", 1 + np.arange(len(corners)))
+    attributes.write_attribute(copy.obj, "triangle", "FACE", "INT", 1 + np.arange(len(corners)))
     for corner in range(2):
         weights = np.tile(np.eye(3)[corner], len(corners))
-        attributes.write_attribute(stage.obj, f"weight_{corner}", "CORNER", "FLOAT", weights)
+        attributes.write_attribute(copy.obj, f"weight_{corner}", "CORNER", "FLOAT", weights)
     material = shaders.glowing_attributes("triangle", "weight_0", "weight_1")
-    seen = stage.bake("EMIT", [material], size, samples=1, margin=0)
+    seen = copy.bake("EMIT", [material], size, samples=1, margin=0)
     inside = seen[:, :, 0] > 0.5
     triangles, weights = np.rint(seen[inside, 0]).astype(int) - 1, seen[inside, 1:3].astype(float)
     weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
@@ -237,7 +238,7 @@ def _numbers_at(stage, polygons, coordinates, numbering, size, margin):
 
 
 def _extend_numbers(numbers, inside, margin):
-    """Numbers where there are none yet: the nearest one, inside and up to a margin beside it."""
+    """Fill pixels that are inside faces or within the margin, and have no number, with the nearest number."""
     if not numbers.any():
         return numbers
     distance, nearest = distance_transform_edt(numbers == 0, return_indices=True)

@@ -71,8 +71,8 @@ def read_mesh(obj, base=None, strict=False, weld=False):
 
     Parameters
     ----------
-    base : MeshInput of the same faces, at other places perhaps: the surface is made of the same ones
-    strict : refuse what cannot carry a field as it is, instead of solving on its carrier
+    base : MeshInput of the same faces in another shape, so that the surface has the same faces as there
+    strict : refuse a mesh that is not manifold, instead of solving on a repaired copy
     weld : join boundary vertices at the same place
     """
     return read_faces(obj).surface(strict, weld) if base is None else read_faces(obj, base.polygons).moved(base)
@@ -87,8 +87,7 @@ def read_faces(obj, polygons=None):
 
 
 def measured_key(obj):
-    """The shape key whose places are measured: the one that is locked (Solo Active Shape Key), else the first; None
-    where there are none."""
+    """The shape key whose shape is solved on: the locked one (Solo Active Shape Key), else the first, or None."""
     keys = None if obj.is_evaluated else obj.data.shape_keys
     if keys is None:
         return None
@@ -97,7 +96,7 @@ def measured_key(obj):
 
 
 def measured_places(obj):
-    """(n, 3) of the object's own vertices in the shape that is measured, in object space."""
+    """(n, 3) the object's own vertices in the shape of :func:`measured_key`, in object space."""
     key = measured_key(obj)
     if key is not None and key != obj.data.shape_keys.reference_key:
         return read_all(key.points, "co", 3, np.float32).astype(float)
@@ -105,7 +104,7 @@ def measured_places(obj):
 
 
 def _places(obj, stretch):
-    with np.errstate(invalid="ignore"):  # places that are not finite stay so
+    with np.errstate(invalid="ignore"):  # vertices that are not finite are kept
         return measured_places(obj) @ stretch.T
 
 
@@ -164,12 +163,12 @@ def _stretch(obj):
 
 
 def can_be_split(obj, faces, surface):
-    """Those of some faces whose triangles are not there yet as other faces: none can be there twice.
+    """The faces that can be split into triangles: none of these may exist as another face already.
 
     Parameters
     ----------
-    faces : (k,)
-    surface : Polygons of the surface, whose faces may look like others: such a face stands for the triangle it is
+    faces : (k,) candidates
+    surface : Polygons of the surface; a face that doubles another one there may be one of its triangles
     """
     if len(faces) == 0:
         return np.array([], int)
@@ -196,9 +195,9 @@ def can_be_split(obj, faces, surface):
 def split_faces(obj, faces):
     """Replace faces by the triangles that draw them, keeping all their corner and face data.
 
-    Where a triangle is there already, none is made (see :func:`can_be_split`).
+    A triangle that exists already is not made again (see :func:`can_be_split`).
 
-    Returns the (c,) old corner that each corner was.
+    Returns (c,), for each corner now, the corner that it was before.
     """
     mesh, polygons = obj.data, read_polygons(obj)
     _keep_faces(mesh)
@@ -232,7 +231,7 @@ def _vertices(loops, triangles):
 
 
 def _keep_faces(mesh):
-    """Give all of a mesh back where the work fails."""
+    """Restore the whole mesh if the transaction fails."""
     before, names = _edited(mesh), {attribute.name for attribute in mesh.attributes}
 
     def give_back():

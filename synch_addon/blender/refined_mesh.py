@@ -19,9 +19,9 @@ _ALIKE = np.cos(np.radians(20))
 def refined_object(source, bound, owner, mark):
     """A new object with the mesh of a BoundSurface of another object, with the place of a third.
 
-    Materials, vertex groups, marks of edges, UV maps, colours and all other attributes go over, and custom normals;
-    numbers are interpolated, what is no real number is that of the nearest corner or vertex. Each vertex keeps its
-    three vertices of ``source`` and their weights.
+    Materials, vertex groups, marks of edges, UV maps, colours, all other attributes and custom normals are copied:
+    real numbers are interpolated, other values are those of the nearest corner or vertex. Each vertex stores its three
+    vertices of ``source`` and their weights.
 
     Parameters
     ----------

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's data as it was before, where something fails or was made for a while only.
+"""Transactions on Blender's data: if the work inside :func:`whole_or_nothing` fails, the file is as it was before.
 
-What changes the file runs inside :func:`whole_or_nothing`. Where that fails, every datablock that has appeared goes by
-itself. Whoever changes what was there says how it is given back, by :func:`assign`, :func:`store` or
-:func:`undone_by`; whoever takes something away has it leave (:func:`leave`), which it does when nothing can fail any
-more. Outside all of these do what they are asked to, for good and at once.
+New datablocks are removed then. A change to one that was there is restored if it is made by :func:`assign`,
+:func:`store` or :func:`drop`, or if :func:`undone_by` was given the step that restores it. Removals wait until nothing
+can fail any more (:func:`leave`, :func:`at_the_end`). Outside a transaction all of these act at once.
+
+The user's undo is Blender's own and needs nothing of this.
 """
 
 import os
@@ -18,25 +19,25 @@ from idprop.types import IDPropertyArray, IDPropertyGroup
 
 from ...core.files.whole import place_beside
 
-# Behind the name of what leaves, whose name something new may take.
+# Added to the name of what will be removed, so that something new may take its name.
 _LEAVING = " (leaving)"
 
 
 class _Work:
-    """What the innermost work that may fail has done: at most one is open at a time."""
+    """The open transaction; a nested one is part of it."""
 
     def __init__(self):
         self._steps, self._ends, self._before, self._names = None, [], set(), []
 
     @contextmanager
     def whole_or_nothing(self):
-        """Remove every datablock that appears inside and undo what was changed when that fails, and only then."""
-        if self._steps is not None:  # a part of larger work
+        """Context of a transaction: on an error, new datablocks are removed and changes are undone."""
+        if self._steps is not None:  # part of a larger transaction
             yield
             return
         self._before, self._ends, self._names = set(all_data()), [], []
         with ExitStack() as steps:
-            # The last one first: what was changed is given back, then what is new goes, then its names are free.
+            # Called in reverse order: changes are undone, then new datablocks removed, then old names given back.
             steps.callback(self._name_again)
             steps.callback(self._remove_new)
             try:
@@ -45,33 +46,33 @@ class _Work:
                 steps.pop_all()
             finally:
                 self._steps = None
-        with ExitStack() as ends:  # each of them, whatever becomes of the others
+        with ExitStack() as ends:  # all are called, even if one of them fails
             for end in reversed(self._ends):
                 ends.callback(end)
 
     def undone_by(self, owner, step):
-        """Call ``step``, which gives back what something of ``owner`` was, should the work fail, the last one first.
+        """If the transaction fails, call ``step``, which restores something of ``owner``; the last step first.
 
-        What belongs to something new goes with it.
+        A new owner needs no step: it is removed.
         """
         if self._steps is not None and owner.id_data.as_pointer() in self._before:
             self._steps.callback(step)
 
     def set_aside(self, thing):
-        """Rename what is going to be removed, so that something new may have its name."""
+        """Rename what will be removed, so that something new may take its name."""
         if self._steps is not None:
             self._names.append((thing, thing.name))
         thing.name += _LEAVING
 
     def at_the_end(self, step):
-        """Call ``step`` when nothing can fail any more, now where nothing is open."""
+        """Call ``step`` when the transaction has succeeded; at once outside a transaction."""
         if self._steps is None:
             step()
         else:
             self._ends.append(step)
 
     def keep(self, block):
-        """Change a datablock of ours at will from here on: where the work fails, a copy of now takes its place."""
+        """Copy a datablock of ours before it is changed: if the transaction fails, the copy takes its place."""
         if self._steps is None or block.as_pointer() not in self._before:
             return
         name, copy = block.name, block.copy()
@@ -101,27 +102,27 @@ undone_by, at_the_end = _work.undone_by, _work.at_the_end
 
 
 def assign(owner, name, value):
-    """``owner.name = value``, undone where the work fails."""
-    before = _own(getattr(owner, name))
+    """``owner.name = value``, undone if the transaction fails."""
+    before = _copy_of(getattr(owner, name))
     undone_by(owner, lambda: setattr(owner, name, before))
     setattr(owner, name, value)
 
 
-def _own(value):
-    """A value that stays as it is: vectors, matrices and arrays of properties show what these are now."""
+def _copy_of(value):
+    """A copy of a property's value: vectors, matrices and arrays would follow later changes of the property."""
     if hasattr(value, "freeze"):
         return value.copy()
     return tuple(value) if isinstance(value, bpy.types.bpy_prop_array) else value
 
 
 def store(block, key, value):
-    """Set a custom property, undone where the work fails."""
+    """Set a custom property, undone if the transaction fails."""
     _keep_property(block, key)
     block[key] = value
 
 
 def drop(block, key):
-    """Remove a custom property, where it is there; undone where the work fails."""
+    """Remove a custom property if it exists, undone if the transaction fails."""
     _keep_property(block, key)
     block.pop(key, None)
 
@@ -141,7 +142,7 @@ def _keep_property(block, key):
 
 
 def _copy_value(value):
-    """A value of a custom property that stays as it is: Blender frees arrays and groups that others replace."""
+    """A copy of a custom property's value: Blender frees arrays and groups that are replaced."""
     if isinstance(value, IDPropertyGroup):
         return {key: _copy_value(part) for key, part in value.items()}
     if isinstance(value, IDPropertyArray):
@@ -150,7 +151,7 @@ def _copy_value(value):
 
 
 def _limits(block, key):
-    """How a custom property is shown: its limits, its default and the like; empty for a kind that has none."""
+    """Limits, default and the like of a custom property; empty for types that have none."""
     try:
         return block.id_properties_ui(key).as_dict()
     except TypeError:
@@ -158,9 +159,9 @@ def _limits(block, key):
 
 
 def keep_file(owner, path):
-    """Give a file back as it is now, or take away what has come to its place, should work on ``owner`` fail.
+    """Restore a file as it is now, or remove a new one at its place, if the transaction on ``owner`` fails.
 
-    What is no file, such as a device, is left alone.
+    Devices and the like are left alone.
     """
     place = Path(path).resolve()
     kept = place_beside(place)
@@ -175,7 +176,7 @@ def keep_file(owner, path):
 
 
 def leave(blocks):
-    """Remove datablocks when nothing can fail any more; until then they have other names, which new ones may take."""
+    """Remove datablocks when the transaction has succeeded; new ones may take their names before that."""
     blocks = list(blocks)
     for block in blocks:
         set_aside(block)
@@ -193,13 +194,13 @@ def only_for_now():
 
 
 def remove_all_but(before):
-    """Remove every datablock whose address is not in a set; whether there were any."""
+    """Remove every datablock whose address is not in a set; returns whether there were any."""
     new = [block for pointer, block in all_data().items() if pointer not in before]
     bpy.data.batch_remove(new)
     return bool(new)
 
 
 def all_data():
-    """Every datablock of the file, by address: the render result and the like included."""
+    """Every datablock of the file by its address, the render result and the like included."""
     lists = (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION")
     return {block.as_pointer(): block for name in lists for block in getattr(bpy.data, name)}

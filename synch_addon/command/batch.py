@@ -163,7 +163,7 @@ def _answer(task, way, here):
         return {"failed": str(error)}
     except OSError as error:
         return {"failed": f"{error.filename or 'a file'}: {error.strerror or error}"}
-    except Exception as error:  # a fault of ours is told as well, and the other rows go on
+    except Exception as error:  # a bug of ours is reported too, and the other rows continue
         return {"failed": f"{type(error).__name__}: {' '.join(str(error).split())}"}
 
 

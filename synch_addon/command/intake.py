@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solids as files have them: bodies that overlap, corners that do not quite meet, missing triangles; what is up.
+"""Repairs meshes of solids that come from files: overlapping bodies, corners that do not quite meet, missing triangles.
 
-Only what is read from a mesh file is mended; what was done is returned as lines for the user.
+Also turns their upward axis. Objects of a scene are not repaired. What was done is returned as lines for the user.
 """
 
 import bmesh
@@ -29,7 +29,7 @@ def turn_up(obj, axis):
 
 
 def mend(obj):
-    """Make the mesh of an object one closed surface, as far as it is nearly so; returns what was done, in lines."""
+    """Close the mesh of an object where little is missing; returns lines that say what was done."""
     made = bmesh.new()
     made.from_mesh(obj.data)
     lines = [*_dissolve_flat(made), *_close_rims(made)]
@@ -37,9 +37,10 @@ def mend(obj):
     if lines:
         made.to_mesh(obj.data)
         obj.data.update()
-    meeting = _meeting(made, parts)
+    meeting = _meeting_bodies(made, parts)
     if len(meeting):
-        lines.append(f"{len(meeting)} bodies that touch or overlap are one: {_unite(obj, parts, meeting)}")
+        faces = _unite(obj, parts, meeting)
+        lines.append(f"{len(meeting)} bodies that touch or overlap are one: {faces} triangles")
     made.free()
     return lines
 
@@ -82,7 +83,7 @@ def _close_rims(made):
 
 
 def _loops(edges):
-    """Edges that hang together, in lists."""
+    """Connected edges, in lists."""
     return _connected(edges, lambda edge: {one for vertex in edge.verts for one in vertex.link_edges})
 
 
@@ -106,8 +107,8 @@ def _connected(items, neighbours):
     return components
 
 
-def _meeting(made, bodies):
-    """The numbers of bodies whose faces meet those of another one."""
+def _meeting_bodies(made, bodies):
+    """Indices of the bodies whose faces touch or cut those of another body."""
     if len(bodies) < 2:
         return np.empty(0, int)
     made.faces.ensure_lookup_table()
@@ -121,17 +122,20 @@ def _meeting(made, bodies):
 
 
 def _unite(obj, bodies, meeting):
-    """Replace the bodies of an object that meet by their union; returns how large all are then, in words."""
+    """Replace the bodies with the indices ``meeting`` by their union; returns the object's number of triangles then.
+
+    ``bodies`` are lists of BMesh faces.
+    """
     with only_for_now():
         parts = []
         for body in bodies:
-            alone = bmesh.new()
-            of = {vertex: alone.verts.new(vertex.co) for face in body for vertex in face.verts}
+            copy = bmesh.new()
+            copies = {vertex: copy.verts.new(vertex.co) for face in body for vertex in face.verts}
             for face in body:
-                alone.faces.new([of[vertex] for vertex in face.verts])
+                copy.faces.new([copies[vertex] for vertex in face.verts])
             data = new_mesh("Body")
-            alone.to_mesh(data)
-            alone.free()
+            copy.to_mesh(data)
+            copy.free()
             part = bpy.data.objects.new("Body", data)
             bpy.context.scene.collection.objects.link(part)
             parts.append(part)
@@ -149,4 +153,4 @@ def _unite(obj, bodies, meeting):
         faces = len(united.faces)
         united.free()
     obj.data.update()
-    return f"{faces} triangles"
+    return faces

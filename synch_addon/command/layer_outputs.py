@@ -44,12 +44,12 @@ def add_arguments(command):
 
 
 def _machine(options):
-    """What the flag names, the usual machine for a program where there is none."""
+    """The machine that the flag names; without one, the usual machine if there is a program to write, or None."""
     return options.machine or (USUAL if options.export_gcode else None)
 
 
 def check(options):
-    """Refuse, before any work, outputs that cannot be written."""
+    """Refuse outputs that cannot be written, before any work."""
     PathSettings(options.path_step, options.path_fill, machine_of(_machine(options)))
     if options.export_layers:
         check_output(options.export_layers, MESH_SUFFIXES)

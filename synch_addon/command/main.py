@@ -35,12 +35,12 @@ from .declared_files import DEMO, declared_files
 from .flags import Made, add_input, add_quiet, add_view, save_scene
 from .interrupts import SIGNALLED, Interrupted, catch_interrupts, report_signal
 
-# What is told in one line.
+# Errors that are reported in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
 
 
 def main(arguments, loaded=False):
-    """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
+    """Run a command line; ``loaded`` if Blender has opened the file already. Returns the exit status."""
     process_exit.begin()
     parser = _parser(loaded)
     own, shared = _at_dashes(arguments)

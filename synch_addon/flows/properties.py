@@ -76,7 +76,7 @@ class SynchVortexLook(bpy.types.PropertyGroup):
 
     point: FloatVectorProperty(
         name="Point",
-        description="Point of the sphere: filaments are where the map shows its antipode, tubes around that",
+        description="Point of the sphere: filaments are where the map takes its antipode, and tubes surround them",
         subtype="DIRECTION",
         default=NORTH,
         update=_show,

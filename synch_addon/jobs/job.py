@@ -1,23 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a job is: read, solve, write, and only the middle one takes long.
+"""Jobs: read the scene, solve, write the result. Only the solve takes long.
 
-Making a job reads the scene and refuses what cannot be; its ``request`` is then all that a solve needs, plain data that
-can be pickled (:mod:`core.tasks`). ``write(result)`` refuses what no longer fits before its first change, then puts
-the result into the scene at once, and returns the report. Before that nothing has changed, and nothing has where it
-fails. A job also has
+Making a job reads the scene and refuses what cannot be solved; its ``request`` is then all that the solve needs, plain
+data that can be pickled (:mod:`core.tasks`). ``write(result)`` checks that the scene still fits, writes the result in
+one transaction and returns the report; the scene does not change before, nor if it fails. A job also has
 
-- ``link``, the :class:`ObjectLink` of the object that it is for, None where there is none;
-- ``advance()``, where it reads, or does all its work, in pieces that need Blender: it does one and returns what comes
-  next and the share of the pieces that is done, None when that was the last one. ``close()`` ends it between two, and
-  ``at_once`` are seconds for which the window may do pieces before it is drawn again;
-- ``request = None`` in its class, where pieces are all its work: ``write(None)`` then returns the report.
+- ``link``, the :class:`ObjectLink` of its object, or None;
+- ``advance()``, if it reads, or does all its work, in steps that need Blender: it does one step and returns the name of
+  the next and the share done so far, None after the last. ``close()`` ends it between two steps, and ``at_once`` is the
+  number of seconds for which the window may do steps before it is drawn again;
+- ``request = None`` in its class, if steps are all its work: ``write(None)`` then returns the report.
 """
 
 from ...core.errors import SettingError, quote_value
 from ...core.files.json_text import Json
 from ...core.monitor import Monitor, portion
 
-# Share of the work that reading in pieces is.
+# Share of the work that reading in steps takes.
 READING = 0.1
 
 
@@ -40,7 +39,7 @@ def run(job, progress=None) -> Json:
 
 
 def solves_after_pieces(job):
-    """Whether a job that is done in pieces goes on to solve."""
+    """Whether a job with steps solves after them."""
     return getattr(type(job), "request", None) is not None
 
 

@@ -20,23 +20,23 @@ _IDLE, _LOOK = 300.0, 30.0
 
 
 class Work:
-    """A job in the row.
+    """A job in the queue.
 
     Attributes
     ----------
     job : see :mod:`.job`
-    label : what it is called in the window
-    stage, fraction : how far it is
-    picture : of the best result so far, None as long as there is none
-    is_seen : whether a view has been drawn with it
+    label : its name in the window
+    stage, fraction : stage of the work, and share of the work that is done
+    picture : the best result so far as a picture, None before the first
+    is_seen : whether a view has been drawn with the picture
     is_kept : whether the solve was asked to end with that result
-    result : what was found
-    peak : MB that the solve has taken at most, None where it was not told
-    error : what stopped it, or None
-    waited : seconds before its turn came
-    is_quiet : whether nothing of it is said in the window
-    is_over : whether it has come to its end, good or bad
-    let_go : callable that gives back what was taken of the window for it, once or more often
+    result : result of the solve
+    peak : largest memory of the solve in MB, None if unknown
+    error : the exception that stopped it, or None
+    waited : seconds before it began
+    is_quiet : whether the window does not mention it
+    is_over : whether it has ended, with a result or an error
+    let_go : callable that releases the window's timer, cursor and the like; it may be called more than once
     """
 
     def __init__(self, job, label, is_quiet=False):
@@ -48,7 +48,7 @@ class Work:
         self._start, self.waited = time.monotonic(), 0.0
 
     def begin(self):
-        """Its turn has come."""
+        """Note that its turn has come."""
         now = time.monotonic()
         self.has_begun, self.waited, self._start = True, now - self._start, now
 
@@ -88,7 +88,7 @@ class Work:
         return self.picture is not None and not (self.is_kept or self.is_over)
 
     def hear(self, word, *rest):
-        """Take a message of the worker."""
+        """Handle a message of the worker."""
         if word == "progress":
             stage, fraction = rest
             start = READING if hasattr(self.job, "advance") else 0.0
@@ -104,7 +104,7 @@ class Work:
             self.fail(RuntimeError(f"in the process that solves:\n{rest[0]}"))
 
     def fail(self, error):
-        """It has stopped for this reason."""
+        """End it with an error."""
         self.error, self.is_over, self.picture, self.holds_window = error, True, None, False
 
     @property
@@ -124,7 +124,7 @@ class Work:
 
 
 class Queue:
-    """Works in a row, and the worker that solves them one after the other."""
+    """The jobs that wait or run, and the worker that solves them one after the other."""
 
     def __init__(self):
         self.works: list[Work] = []
@@ -132,14 +132,14 @@ class Queue:
 
     @property
     def running(self):
-        """The work whose turn it is, None where there is none."""
+        """The work whose turn it is, or None."""
         return self.works[0] if self.works else None
 
     def add(self, job, label, is_quiet=False):
-        """Put a job at the end of the row; returns its :class:`Work`.
+        """Put a job at the end of the queue; returns its :class:`Work`.
 
-        A quiet one is over soon: nothing is said of it, and others of its object wait for it like for any other. Raises
-        SynchError where the row has one of its object.
+        The window does not mention a quiet one, which ends soon. Raises SynchError if the queue has a job of the same
+        object.
         """
         if job.link is not None and self.holds(job.link):
             raise SynchError(f"{job.link.name} is being solved: wait for it, or cancel it")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The report of a run: what was asked, found and written, ready for JSON."""
+"""The report of a run: its settings, what it found and what it wrote, as plain values for JSON."""
 
 import platform
 import time
@@ -29,15 +29,15 @@ class Report:
         self.forced_dislocations = None
         self.quad_mesh = None
         self.pins_cost = None
-        self.surface = None  # of the pattern's own, what it is
-        self.shape_key = None  # the one that was measured
-        self.curves_read = ()  # what the curves looked like that the settings speak of
+        self.surface = None  # figures of the finer surface, if the pattern is on one
+        self.shape_key = None  # name of the one whose shape was solved on
+        self.curves_read = ()  # state of the curves that the settings name, to notice a change
         self._settled = {}
         self._start = time.perf_counter()
         self._request = None
 
-    def again(self, command=None):
-        """A report of the same run for another result of its solve: new times, no warnings yet."""
+    def for_another_result(self, command=None):
+        """A report of the same run for another result of its solve, with new times and without warnings."""
         fresh = copy(self)
         fresh.command, fresh.pins_cost = command or self.command, None
         fresh.clock, fresh.warnings, fresh._start = Clock(), [], time.perf_counter()
@@ -48,14 +48,17 @@ class Report:
         self.warnings.append(one_line(line))
 
     def take(self, result):
-        """Take over what a result tells beside what was found."""
+        """Add a result's warnings, times, and settings that were changed on the way."""
         self.warnings += result.warnings
         self.forced_dislocations = getattr(result, "forced_dislocations", None)
         self._settled = getattr(result, "settled", {})
         self.clock.add(result.seconds)
 
     def warn_about(self, obj, request, refinement=None):
-        """Warn about what the object has that the result cannot follow; a refinement is the pattern's own surface."""
+        """Warn about parts of the object and settings that the result does not follow.
+
+        ``refinement`` describes the finer surface if the pattern is on one.
+        """
         self._request, key = request, measured_key(obj)
         self.shape_key = None if key is None else key.name
         for finding in request.given.findings:
@@ -76,7 +79,7 @@ class Report:
                     f"{refinement.bound.welded} vertices at the places of others, or on edges of other faces, count as "
                     "joined with these: Mesh > Merge > By Distance joins the former"
                 )
-        elif self.command != "animate":  # which reads the mesh behind its modifiers
+        elif self.command != "animate":  # animations are solved on the result of the modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
         for line in request.settings.unheeded(request.command, bool(np.any(request.turn))):
             self.warn(line)
@@ -84,7 +87,7 @@ class Report:
             self.warn_of_users(obj, "the pattern")
 
     def warn_of_modifiers(self, modifiers, solved):
-        """Warn about modifiers that come after what is ``solved``: "the pattern is"."""
+        """Warn about modifiers that are not applied before the solve; ``solved`` begins the line: "the pattern is"."""
         if modifiers:
             names = ", ".join(modifier.name for modifier in modifiers)
             self.warn(
@@ -92,13 +95,13 @@ class Report:
             )
 
     def warn_of_users(self, obj, what):
-        """Warn about others that have an object's mesh."""
+        """Warn if other objects use the same mesh."""
         users = obj.data.users - obj.data.use_fake_user
         if users > 1:
             self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get {what}")
 
-    def begun(self, solution, mesh):
-        """What the report of a solve on the vertices of a mesh, of triangles or tetrahedra, begins with."""
+    def opening_entries(self, solution, mesh):
+        """The first entries of the report of a solve on the vertices of a triangle or tetrahedral mesh."""
         return {
             "status": solution.status.value if solution else "given",
             "command": self.command,
@@ -108,8 +111,14 @@ class Report:
             **quality(solution),
         }
 
-    def ended(self, solutions, settings):
-        """What it ends with, for solutions or None in place of one, and settings that take the place of the given."""
+    def closing_entries(self, solutions, settings):
+        """The last entries of the report.
+
+        Parameters
+        ----------
+        solutions : solutions of the solves, None for directions that were given
+        settings : dict of settings to report in place of those of the run
+        """
         clock = Clock()
         for times in [self.clock.seconds, *(solution.times for solution in solutions if solution)]:
             clock.add(times)
@@ -123,9 +132,9 @@ class Report:
         solutions = [part.solution for part in (field, pattern) if part is not None]
         rows = [asdict(row) for row in self.settings.constraints]
         shown = field if pattern is None else pattern
-        if solution is not None:  # a variation has an energy of its own
+        if solution is not None:  # the energy of a variation differs from the solution's
             solution = replace(solution, energy=shown.energy)
-        report = self.begun(solution, mesh)
+        report = self.opening_entries(solution, mesh)
         if self.settings.method == "spectral":
             report["spectral_energy"] = report["energy"]
         if pattern is not None:
@@ -144,16 +153,16 @@ class Report:
                 for name in ("pins_cost", "shape_key", "surface")
                 if (value := getattr(self, name)) is not None
             },
-            **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows} | self._settled),
+            **self.closing_entries(solutions, {"spacing": self._request.spacing, "constraints": rows} | self._settled),
         }
 
 
 def ending(settings, times, start, warnings):
-    """What the report of every run ends with.
+    """The last entries of the report of every run.
 
     Parameters
     ----------
-    settings : dict of what was asked
+    settings : dict of the settings
     times : seconds of the parts of the work, by their names
     start : when the run began, by ``time.perf_counter``
     warnings : list of lines

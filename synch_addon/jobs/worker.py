@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The parent's side of the process that solves: a child of Blender's own Python, see :mod:`core.process.child`.
 
-Nothing here runs beside Blender: what the child says is read from a pipe when it is asked for, and what it is told is
-written as fast as it reads, some hundredths of a second at a time. (On Windows writing waits for the child, which reads
-from its first moment on.)
+There is no thread here: :meth:`Worker.exchange` writes pending messages to the child's pipe and reads its answers, for
+some hundredths of a second at a time. (On Windows a write waits for the child, which reads from the start.)
 """
 
 import os
@@ -21,14 +20,14 @@ from ...core.process.child import TOO_MUCH_MEMORY, UNREADABLE
 from ...core.process.ipc import CHUNK, BrokenParcel, Unpacker, pack_parts, start_child
 from ...core.tasks import versions
 
-# Seconds that one look at the pipes takes at most.
+# Longest time of one exchange, in seconds.
 _SLICE = 0.02
-# Seconds that a child has to end after it has closed its pipe.
+# Seconds that a child may take to end after it has closed its pipe.
 _FAREWELL = 0.5
 # The package that holds ``core`` and ``synch_addon``, and where it is.
 _PACKAGE, _FOLDER = __package__.removesuffix(".synch_addon.jobs"), Path(__file__).parents[2]
-# The child has the package under the name that it has here, so that what is pickled there is known here, without what
-# its parents do when they are imported.
+# The child imports the package under the same name, so that each side can unpickle the other's objects, but without
+# running the parent packages' __init__ (the add-on's registration).
 _BEGIN = """
 import importlib, sys, types
 name, folder, limit = sys.argv[-3:]
@@ -42,13 +41,13 @@ importlib.import_module(name + ".core.process.child").serve(int(limit))
 
 
 class WorkerGone(SynchError):
-    """The child has ended, or is of no use any more: a new one has to be started."""
+    """The child has ended or cannot be used any more: a new one must be started."""
 
 
 class Worker:
-    """A child process that solves one request after the other. Raises WorkerGone where it cannot be started.
+    """A child process that solves one request after the other. Raises WorkerGone if it cannot be started.
 
-    ``limit``: bytes of memory that it may take. ``is_ready``: whether it has loaded all that it needs.
+    ``limit``: bytes of memory that it may take. ``is_ready``: whether it has loaded its modules.
     """
 
     def __init__(self, limit):
@@ -72,17 +71,17 @@ class Worker:
         return self._child.pid
 
     def ask(self, request):
-        """Begin to tell it what to solve."""
+        """Queue a request for it."""
         self._unpacker.shared = request.shared
         self.tell(("solve", request), self._kept)
         self._kept = getattr(request, "kept", ())
 
     def tell(self, message, shared=()):
-        """Begin to tell it something, see :mod:`core.process.child`."""
+        """Queue a message for it, see :mod:`core.process.child`."""
         self._outgoing.extend(memoryview(part).cast("B") for part in pack_parts(message, shared))
 
     def exchange(self):
-        """Go on telling, and hear what it says; returns its messages, see :mod:`core.process.child`.
+        """Write queued messages, then read; returns the child's messages, see :mod:`core.process.child`.
 
         Raises WorkerGone with one line that says why.
         """
@@ -93,29 +92,29 @@ class Worker:
             while self._write(end) + self._read(messages) or self._goes_on(end):
                 if time.monotonic() > end:
                     break
-        except WorkerGone as gone:  # what it has said before counts
+        except WorkerGone as gone:  # messages from before its end count
             self._gone = gone
         except BrokenParcel as error:
             self.end()
-            self._gone = WorkerGone(f"the process that solves said what is no message ({error}): run again")
+            self._gone = WorkerGone(f"the process that solves sent a broken message ({error}): run again")
         if self._gone is not None and not messages:
             raise self._gone
         return [message for message in messages if not self._is_greeting(message)]
 
     @property
     def is_alive(self):
-        """Whether the child is there."""
+        """Whether the child runs."""
         return self._gone is None and self._child.poll() is None
 
     def end(self):
-        """End it at once, whatever it is doing."""
+        """Kill the child."""
         self._child.kill()
         self._child.wait()
         self._child.stdin.close()
         self._child.stdout.close()
 
     def _goes_on(self, end):
-        """Wait a moment for the other end of a pipe that a parcel is on its way through; whether it has moved."""
+        """Wait for a pipe with a message under way until ``end``; returns whether it can be read or written."""
         if sys.platform == "win32" or not (self._outgoing or self._unpacker.is_amid):
             return False
         outgoing = [self._input] if self._outgoing else []
@@ -123,7 +122,7 @@ class Worker:
         return bool(ready[0] or ready[1])
 
     def _write(self, end):
-        """Write what the child takes now; returns how much."""
+        """Write what the pipe takes now; returns the number of bytes."""
         written = 0
         try:
             while self._outgoing and time.monotonic() < end:
@@ -134,12 +133,12 @@ class Worker:
                 written += count
         except BlockingIOError:
             pass
-        except OSError:  # its end is told when it is read
+        except OSError:  # the child has ended, which reading will report
             self._outgoing.clear()
         return written
 
     def _read(self, messages):
-        """Read what is there; returns how much."""
+        """Read what is in the pipe; returns the number of bytes."""
         try:
             data = os.read(self._output, CHUNK) if _has_data(self._output) else None
         except BlockingIOError:
@@ -180,7 +179,7 @@ class Worker:
 
 
 def _python():
-    """What starts a Python with a program: Blender's own, or Blender where there is none."""
+    """Command that starts Blender's own Python with the program above, or Blender itself if that is missing."""
     if Path(sys.executable).stem.lower().startswith("python"):
         return [sys.executable, "-c", _BEGIN]
     options = ["--background", "--factory-startup", "--python-use-system-env", "--python-expr", _BEGIN, "--"]
@@ -188,7 +187,7 @@ def _python():
 
 
 def _environment():
-    """Variables of the child: the modules of this process are its own, and no others."""
+    """Environment of the child, which finds the modules of this process and no others."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     folders = [folder for folder in sys.path if folder and Path(folder).exists()]
     return kept | {"PYTHONPATH": os.pathsep.join(folders), "PYTHONNOUSERSITE": "1", "PYTHONSAFEPATH": "1"}

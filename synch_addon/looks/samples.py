@@ -20,7 +20,13 @@ from .demo import add_demo_object, apply_modifiers
 SHAPES = (
     ("SUZANNE", "Suzanne", "Blender's monkey as one smooth surface of even triangles", "MESH_MONKEY", 0),
     ("PRETZEL", "Pretzel", "A closed surface of quads with two holes, and seams that cut it in half", "MESH_TORUS", 1),
-    ("VASE", "Vase", "A bent vase of quads, open at its rim, where a stripe is asked for", "MESH_CYLINDER", 2),
+    (
+        "VASE",
+        "Vase",
+        "A bent vase of quads, open at its rim, with a constraint that puts a stripe there",
+        "MESH_CYLINDER",
+        2,
+    ),
 )
 # Subdivisions of the cages by default; Suzanne's faces are as many times more or fewer.
 DETAIL = 4

@@ -20,7 +20,7 @@ _VIEWED = 30
 _SELECT = {"vertex": meshes.select_vertices, "edge": meshes.select_edges, "face": meshes.select_faces}
 # What the figures of the box Result mean.
 _MEANINGS = {
-    "energy": "What is left of the wish for even stripes along the directions: 0 is a perfect pattern",
+    "energy": "How far the stripes are from even and aligned with the directions: 0 is a perfect pattern",
     "proved": "No field at all on this mesh has less energy than this one by more than this share: its bound is "
     "proved by a factorization in double precision",
     "estimated": "How much of the energy lies above the lower bound; the bound is estimated, not proved",
@@ -29,8 +29,7 @@ _MEANINGS = {
     "dislocation": "Points where a stripe begins or ends (dislocations)",
     "evenness": "How many times as far apart as asked lines are, on all but a hundredth of the surface at either end, "
     "and on how much of it they are off by more than a quarter; Spacing Error in the overlay shows where",
-    "spacing": "The distance from one line to the next that was asked for, as it was used, and how many faces the mesh "
-    "has",
+    "spacing": "The distance between lines that the last solve used, and the mesh's number of faces",
     "time": "How long the last solve took, and on how many vertices",
 }
 
@@ -63,7 +62,7 @@ class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operato
 
 
 class SYNCH_OT_select_places(ReadyOperator, PromptOperator, bpy.types.Operator):
-    """Select where the surface that was solved on is not the mesh as it is, in edit mode"""
+    """Select, in edit mode, where the repaired copy that was solved on differs from the mesh"""
 
     bl_idname = "synch.select_places"
     bl_label = "Select Places"

@@ -52,7 +52,7 @@ class SYNCH_OT_show_favourite(_FavouriteOperator, bpy.types.Operator):
 
 
 class SYNCH_OT_remove_favourite(_FavouriteOperator, bpy.types.Operator):
-    """Remove this favourite and its attributes; what is shown stays"""
+    """Remove this favourite and its attributes; the pattern on the object stays"""
 
     bl_idname = "synch.remove_favourite"
     bl_label = "Remove Favourite"

@@ -22,7 +22,7 @@ class _FieldFileOperator(ReadyOperator, PromptOperator):
 
 
 class SYNCH_OT_import_field(_FieldFileOperator, ImportHelper, bpy.types.Operator):
-    """Read directions on triangles from a file, as the active object's directions, and follow them"""
+    """Read directions on triangles from a file, and let the active object's patterns follow them"""
 
     bl_idname = "synch.import_field"
     bl_label = "Import Direction Field"

@@ -332,7 +332,9 @@ class SYNCH_OT_cancel(bpy.types.Operator):
     bl_label = "Cancel"
     bl_options = {"INTERNAL"}
 
-    place: IntProperty(name="Place", description="Which job of the row, from 0 on; -1 for all of them", min=-1)
+    place: IntProperty(
+        name="Place", description="Number of the job in the queue, counted from 0; -1 for all jobs", min=-1
+    )
 
     @classmethod
     def poll(cls, context):

@@ -40,14 +40,14 @@ class SYNCH_OT_relief(PatternOperator, PromptOperator, bpy.types.Operator):
 
     height: FloatProperty(
         name="Height",
-        description="How high the pattern stands out of the surface, in spacings; below 0 it is cut in",
+        description="Height of the pattern above the surface, in spacings; below 0 it is cut in",
         default=0.15,
         soft_min=-0.5,
         soft_max=0.5,
     )
     width: FloatProperty(
         name="Width",
-        description="Part of a period that is raised, or of the area of quads",
+        description="Raised part of a period, or of the area of quads",
         default=0.5,
         min=0.0,
         max=1.0,
@@ -60,7 +60,7 @@ class SYNCH_OT_relief(PatternOperator, PromptOperator, bpy.types.Operator):
     )
     level: IntProperty(
         name="Level",
-        description="How often the mesh is subdivided; where it is not set, as often as its edges need",
+        description="How often the mesh is subdivided; by default as often as its edges need",
         min=0,
         max=6,
     )

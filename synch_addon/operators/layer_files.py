@@ -27,13 +27,13 @@ _FILL = EnumProperty(
     ],
 )
 _STEP = FloatProperty(
-    name="Step", description="Between two paths; 0 for the spacing of the layers", min=0.0, subtype="DISTANCE"
+    name="Step", description="Distance between two paths; 0 for the spacing of the layers", min=0.0, subtype="DISTANCE"
 )
 
 
 _MACHINE = StringProperty(
     name="Machine",
-    description="Name of a printer, such as marlin, or a file that says what it is (.toml); none for three axes",
+    description="Name of a printer, such as marlin, or a file that describes one (.toml); empty for three axes",
     subtype="FILE_PATH",
 )
 
@@ -43,7 +43,7 @@ _BEADS = EnumProperty(
     description="Also make a mesh of the beads, as wide and as high as they are printed",
     items=[
         ("NONE", "None", "Curves alone"),
-        ("LAYER", "Layers", "Colours that take turns from layer to layer"),
+        ("LAYER", "Layers", "Colours that alternate from layer to layer"),
         ("HEIGHT", "Height", "Blue where beads are low, red where they are high"),
         ("TILT", "Tilt", "Blue where layers lie level, red where they are steep"),
         ("SPEED", "Speed", "Blue where beads are printed slowly, red where fast"),

@@ -23,7 +23,7 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
         name="Guidance", description="What the layers follow, such as axis:Z or harmonic:Bottom:Top", default="axis:Z"
     )
     groups: StringProperty(
-        name="Groups", description="What is asked of parts of the surface, such as Top=layer,Bottom=constant"
+        name="Groups", description="Conditions on parts of the surface, such as Top=layer,Bottom=constant"
     )
 
     def _target(self, context):

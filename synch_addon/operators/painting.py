@@ -17,7 +17,7 @@ _TARGETS = (
 
 
 class SYNCH_OT_paint_map(bpy.types.Operator):
-    """Paint this map: its vertex group is made where there is none, and the mouse paints the brush's value"""
+    """Paint this map with the brush's value; its vertex group is made if there is none"""
 
     bl_idname = "synch.paint_map"
     bl_label = "Paint Map"

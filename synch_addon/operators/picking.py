@@ -13,13 +13,12 @@ from .ready import ReadyOperator
 
 
 class PickingOperator(ReadyOperator):
-    """Mixed into operators that are told by clicks on the surface where to do something.
+    """Clicks on the surface, as a mixin of operators.
 
-    ``hint`` is shown in the status bar meanwhile. ``begin`` notes how an object is; ``pick`` does something at a ray,
-    anew after a click and in the last one's place while that is held, and returns whether it did; ``let_go``
-    is told when the button is up again, and returns what the status bar is to say of that; ``foretell`` returns what it
-    is to say of a click at a ray, None for what it says already; ``keep`` and ``take_back`` end what was done, for good
-    or as before.
+    ``hint`` is shown in the status bar meanwhile. ``begin`` stores the state of the object. ``pick`` acts at a ray and
+    returns whether it did: once after each click, and again in place of the last time while the mouse drags.
+    ``let_go`` is called when the button is released, ``foretell`` when the mouse moves; both return a line for the
+    status bar, None to keep the present one. ``keep`` ends with the changes, ``take_back`` without.
     """
 
     hint = ""

@@ -16,7 +16,7 @@ from .ready import PromptOperator, ReadyOperator
 
 
 class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
-    """Show a preset on the active object; where its pattern cannot, one is solved for it"""
+    """Show a preset on the active object; if its pattern does not fit, one that does is solved"""
 
     bl_idname = "synch.preset"
     bl_label = "Apply Preset"
@@ -24,7 +24,7 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
     preset: EnumProperty(name="Preset", description="What the object looks like", items=PRESET)
     solve: BoolProperty(
         name="Solve",
-        description="Solve the pattern that the preset is made for, also where the object has one that can show it",
+        description="Solve the pattern that the preset is made for, even if the object has one that can show it",
         translation_context=OURS,
     )
 

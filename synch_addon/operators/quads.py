@@ -33,7 +33,7 @@ class SYNCH_OT_quad_mesh(_QuadMeshOperator, bpy.types.Operator):
 
 
 class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
-    """Make this quad mesh anew from the object that it was made of, with the settings shown here"""
+    """Make this quad mesh again from its source object, with the settings shown here"""
 
     bl_idname = "synch.quad_mesh_again"
     bl_label = "Quad Mesh Again"

@@ -19,7 +19,7 @@ shape. UV maps, groups and attributes go over; a pattern on it has to be solved 
 
     levels: IntProperty(
         name="Level",
-        description="How often every edge is halved; where it is not set, as often as the spacing needs",
+        description="How often every edge is halved; by default as often as the spacing needs",
         default=1,
         min=1,
         max=refine.MOST_LEVELS,

@@ -19,20 +19,20 @@ from ..patterns import guide_strokes
 from ..patterns.picking import PickedSurface
 from .picking import ray_under
 
-# In pixels: between places that are looked up; beyond which a line is taken apart; how far off points may be left out,
-# and how long pieces may be; how short a stroke may be; how near the pointer has to be to strokes.
+# In pixels: step between places that are sampled; distance of two samples at which a line is split; largest distance of
+# a point that is left out, and longest segment; shortest stroke; how near to strokes the pointer has to be.
 _STEP, _JUMP, _OFF, _PIECE, _SHORTEST, _NEAR = 4.0, 40.0, 1.0, 80.0, 6.0, 14.0
-# How often the unrest of a hand is evened out, and how far smoothing reaches, in pixels.
-_EVENED, _REACH = 4, 60.0
-# What is behind the surface by less than this share of its distance is on it.
+# Rounds of smoothing for a drawn stroke, and how far the smoothing tool reaches, in pixels.
+_ROUNDS, _REACH = 4, 60.0
+# A point is on the surface if it is behind it by less than this share of its distance.
 _BEHIND = 0.02
 
 
 class StrokeOperator:
-    """Mixed into operators that go from the press of a button to its release.
+    """A drag of the mouse, as a mixin of operators.
 
-    A subclass says what is done on the way (``move``), and at its end (``finish``, which returns what was done in one
-    line, or None).
+    Subclasses have ``move``, called for each sample of the drag, and ``finish``, called at its end, which returns a
+    line that says what was done, or None for nothing.
     """
 
     bl_options = {"UNDO", "INTERNAL"}
@@ -60,7 +60,7 @@ class StrokeOperator:
         view.rest()
         self._step(context, event, obj)
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(translate("Let the button go: done   Esc: as before"))
+        context.workspace.status_text_set(translate("Release the button: done   Esc: as before"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -78,7 +78,7 @@ class StrokeOperator:
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """However it ends: give the status bar back."""
+        """Show the normal status bar again."""
         view.rest()
         context.workspace.status_text_set(None)
 
@@ -98,7 +98,7 @@ class StrokeOperator:
         context.area.tag_redraw()
 
     def _near(self, context, obj, mouse):
-        """The strokes that the surface does not hide at the pointer: each with (p,) pixels from there to its points."""
+        """Visible strokes near the pointer, each with its points and their (p,) distances from it in pixels."""
         near = []
         for stroke in guide_strokes.strokes_of(obj):
             line = view.changed.get(stroke.key, stroke.points)
@@ -122,7 +122,7 @@ class StrokeOperator:
 
 
 class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
-    """Draw on the surface what stripes follow"""
+    """Draw a stroke on the surface that stripes follow"""
 
     bl_idname = "synch.draw_stroke"
     bl_label = "Draw Stroke"
@@ -144,7 +144,7 @@ class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
             return None
         pixel = float(np.median(self._pixels))
         lines = [
-            smooth_polyline(part, _EVENED) for part in parts(np.array(self._places), _JUMP * np.array(self._pixels[1:]))
+            smooth_polyline(part, _ROUNDS) for part in parts(np.array(self._places), _JUMP * np.array(self._pixels[1:]))
         ]
         lines = [line for line in lines if polyline_length(line) > _SHORTEST * pixel]
         lines = [line[simplify_polyline(line, _OFF * pixel, _PIECE * pixel)] for line in lines]
@@ -198,7 +198,7 @@ class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
 
 
 def pixel_size(context, matrix, mouse, place):
-    """How long a pixel is, in an object's space, as far from the viewer as a place there."""
+    """Length of a pixel in an object's space, at the depth of a place there."""
     depth = matrix @ Vector(place)
     ends = [region_2d_to_location_3d(context.region, context.region_data, mouse + way, depth) for way in np.eye(2)]
     middle = region_2d_to_location_3d(context.region, context.region_data, mouse, depth)

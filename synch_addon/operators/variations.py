@@ -57,7 +57,7 @@ energy it has than the best, and the number of line ends"""
 
     number: IntProperty(
         name="Variation",
-        description="0 is the best one, the next are other good ones, high numbers are found by a search of their own",
+        description="0 is the best result and the next numbers are other good ones; high numbers need a new search",
         min=0,
     )
 
@@ -124,7 +124,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
         return True
 
     def foretell(self, obj, surface, ray):
-        """What a defect costs where the pointer is, as long as that is told soon."""
+        """A line on what a defect at the pointer would cost, if that is quick to compute."""
         vertex = surface.vertex_at(*ray)
         if self._is_slow or vertex is None or vertex == self._foretold:
             return None

@@ -80,7 +80,7 @@ class SYNCH_UL_constraints(bpy.types.UIList):
 
 
 class SYNCH_PT_constraints(SettingsPanel, bpy.types.Panel):
-    """What is asked of the pattern along lines of the mesh"""
+    """Conditions on the pattern along lines of the mesh"""
 
     bl_label = "Constraints"
     bl_parent_id = "SYNCH_PT_guide"

@@ -126,7 +126,7 @@ class _GroupOperator:
 
 
 class SYNCH_OT_layer_group_add(_GroupOperator, RowOperator, bpy.types.Operator):
-    """Ask something of the layers on a part of the surface"""
+    """Add a condition on the layers at a part of the surface"""
 
     bl_idname = "synch.layer_group_add"
     bl_label = "Add Group"

@@ -74,7 +74,7 @@ class SynchOverlay(bpy.types.PropertyGroup):
     )
     constraints: BoolProperty(
         name="Constraints",
-        description="Edges of the constraint list, coloured by what they ask for, and pinned faces",
+        description="Edges of the constraint list, coloured by the kind of constraint, and pinned faces",
         default=True,
     )
     spacing: BoolProperty(

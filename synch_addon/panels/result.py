@@ -77,7 +77,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
 
 
 class SYNCH_PT_figures(SettingsPanel, bpy.types.Panel):
-    """Energy, proof and counts of the last solve, and where the mesh is not a surface"""
+    """Energy, proof and counts of the last solve, and where the mesh is not manifold"""
 
     bl_label = "Details"
     bl_parent_id = "SYNCH_PT_result"

@@ -26,7 +26,7 @@ class SYNCH_PT_presets(PresetPanel, bpy.types.Panel):
 
 
 class SYNCH_OT_add_preset(AddPresetBase, bpy.types.Operator):
-    """Keep the active object's settings under a name, or remove those of a name"""
+    """Save the active object's settings under a name, or remove saved ones"""
 
     bl_idname = "synch.add_preset"
     bl_label = "Add Synch Fields Preset"

@@ -357,7 +357,7 @@ class SYNCH_PT_solver(DetailsPanel, bpy.types.Panel):
 
 
 class SYNCH_PT_make(SidebarPanel, bpy.types.Panel):
-    """What is made of patterns, and of solids and flows"""
+    """Results made from patterns, solids and flows"""
 
     bl_label = "Make"
     bl_order = 4

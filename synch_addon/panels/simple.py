@@ -23,7 +23,7 @@ _DIRECTION_ITEMS = (
     ("CURVATURE", "Along Curvature", "Lines along ridges, where the surface bends least (principal directions)", 1),
     ("AXIS", "Around an Axis", "Rings around an axis of the object", 2),
     ("STROKES", "Strokes", "Lines that you draw on the surface", 3),
-    ("OTHER", "Other Guides", "What the box Guide under Advanced asks for", 4),
+    ("OTHER", "Other Guides", "The guides of the box Guide under Advanced", 4),
 )
 _KIND_ITEMS = (
     ("stripes", "Stripes", "Even stripes over the surface", "MOD_WAVE", 0),
@@ -81,11 +81,11 @@ class SynchSimple(bpy.types.PropertyGroup):
         get=_get_direction,
         set=_set_direction,
     )
-    draws: BoolProperty(name="Strokes", description="Whether lines follow strokes that are drawn")
-    others: BoolProperty(name="Other Guides", description="Whether lines follow the guides under Advanced")
+    draws: BoolProperty(name="Strokes", description="Let lines follow drawn strokes")
+    others: BoolProperty(name="Other Guides", description="Let lines follow the guides under Advanced")
     lines: FloatProperty(
         name="Lines Across",
-        description="About how many lines lie across the longest side of the object, which sets their distance",
+        description="Approximate number of lines across the object's longest side, which sets their distance",
         get=_get_lines,
         set=_set_lines,
         min=0.1,

@@ -26,7 +26,7 @@ class SynchStrokesTool(bpy.types.WorkSpaceTool):
     bl_context_mode = "OBJECT"
     bl_idname = TOOL
     bl_label = "Guide Strokes"
-    bl_description = "Draw on the active mesh what stripes follow; Ctrl erases, Shift smooths"
+    bl_description = "Draw strokes on the active mesh that stripes follow; Ctrl erases, Shift smooths"
     bl_icon = "ops.curve.draw"
     bl_cursor = "PAINT_CROSS"
     bl_keymap = (

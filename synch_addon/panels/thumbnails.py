@@ -78,7 +78,7 @@ class Gallery:
         if self._seen is None:
             self._seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
             return True
-        number, varied = self._tried, self.shown.showing(solution.variations[self._tried])
+        number, varied = self._tried, self.shown.with_phases(solution.variations[self._tried])
         self._tried += 1
         defects, dots, ends = varied.dislocations, [], {}
         for colour, sign in zip(COLORS["dislocation"], (1, -1), strict=True):

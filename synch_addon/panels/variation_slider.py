@@ -31,8 +31,8 @@ class SynchShown(bpy.types.PropertyGroup):
 
     variation: IntProperty(
         name="Variation",
-        description="Other configurations of defects from the last solve: 0 is the best one, the next are other good "
-        "ones, high numbers are found by a search of their own",
+        description="Other configurations of defects from the last solve: 0 is the best one and the next numbers are "
+        "other good ones; high numbers need a new search",
         min=0,
         soft_max=20,
         update=_show_variation,

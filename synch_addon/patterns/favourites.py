@@ -60,10 +60,10 @@ def show(obj, name):
         settings, request, field, pattern = read_back(obj, result, favourite.number)
         solved = _solve_of(obj, request, field)
         if solved is not None:
-            phases, report = pattern.phases, solved.report.again()
-            shown = solved.pattern.showing(phases)
+            phases, report = pattern.phases, solved.report.for_another_result()
+            shown = solved.pattern.with_phases(phases)
             arguments = solved.request, solved.field, shown, report, favourite.variation
-            job.write_result(obj, *arguments, lambda state: state.pattern.showing(phases))
+            job.write_result(obj, *arguments, lambda state: state.pattern.with_phases(phases))
         else:
             job.show(obj, request, field, pattern, Report(request.command, obj, settings))
             memory.show_line(obj, result, favourite.variation)

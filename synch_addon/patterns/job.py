@@ -99,9 +99,9 @@ def _pins_cost(obj, request, field, report):
     return field.bending / shown.field.bending - 1
 
 
-def write_again(obj, solved):
-    """Write a state of the present solve once more, as it was."""
-    _, request = show(obj, solved.request, solved.field, solved.pattern, solved.report.again())
+def rewrite(obj, solved):
+    """Write a state of the present solve again, unchanged."""
+    _, request = show(obj, solved.request, solved.field, solved.pattern, solved.report.for_another_result())
     _remember(obj, replace(solved, request=request))
 
 

@@ -65,27 +65,25 @@ class LiveJob:
             self._asked = gather(shown.request.command, surface_of(obj), settings, given=given)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self._asked)
-        field, pattern = shown.field, shown.pattern
         same = {name: getattr(before, name) for name in _OF_PATTERNS}
-        slim = replace(field, solution=None, problem=None)
         turns_only = not is_painted and self._report.curves_read == shown.report.curves_read
         turns_only &= turned_only and replace(settings, **same) == before
-        self.request = LiveRequest(self._asked, slim, pattern.phases, turns_only, followers, settles)
+        field, phases = shown.field.without_solution, shown.pattern.phases
+        self.request = LiveRequest(self._asked, field, phases, turns_only, followers, settles)
 
     def write(self, result, share=1.0):
         """Write the result, or a share of the way to it, to the object at once; returns the report."""
         obj, shown, report = self.link.found, self._shown, self._report
         if share < 1:
-            result, report = self.request.mixed(result, share), report.again()
-        if result.field.solution is None:
-            field = replace(result.field, solution=shown.field.solution, problem=shown.field.problem)
-            result = replace(result, field=field)
+            result, report = self.request.mixed(result, share), report.for_another_result()
+        field = result.field
+        if field.solution is None and self._asked.source.directions is None:  # the shown one, which was only turned
+            field = replace(shown.field, angles=field.angles, turn=field.turn)
         report.take(result)
         with whole_or_nothing():
             if not own_surface.is_unchanged(obj, self._asked.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
-            pair = result.field, result.pattern
-            return write_result(obj, self._asked, *pair, report, instead=self._instead)
+            return write_result(obj, self._asked, field, result.pattern, report, instead=self._instead)
 
 
 def _cuts(settings):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last solves of each object, kept while Blender runs: variations and placed defects need no other.
+"""The last solves of each object, kept while Blender runs, so that variations and placed defects need no new solve.
 
-What the panel keeps of a result tells the states of an object apart. Undo and redo bring it back with the attributes,
-and the state that belongs to it is found here.
+The line that an object stores of its result (``obj.synch.result``) is the key of its state here. Blender's undo and
+redo restore the attributes and this line together, so the state that fits them is found again.
 """
 
 from collections.abc import Callable
@@ -18,9 +18,9 @@ from ..jobs.lru_cache import LruCache, ObjectCache
 from ..jobs.report import Report
 from . import own_surface, write
 
-# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
+# Number of objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
 MOST = 8
-# Of each object: solves, and states that they have shown, each a report and how it was made.
+# For each object: number of solves, and of states, which take a report each.
 SOLVES, STATES = 2, 256
 
 _fields = ObjectCache(MOST)
@@ -29,17 +29,17 @@ _outdated = LruCache(MOST)
 
 @dataclass
 class Solved:
-    """A solve and what of it the object shows.
+    """A solve, and the variation of it that the object shows.
 
     Attributes
     ----------
-    request : what was read; its polygons are those after writing
+    request : what was solved; its polygons are the object's after writing
     field : DirectionField
     pattern : Pattern, or None after directions alone
     report : Report that collected warnings and times
-    plain : that report as it was returned
+    plain : the same report as a dict
     number : of the variation
-    change : what makes the variation of the solve, Solved -> DirectionField or Pattern; None for the solution itself
+    change : function that computes the variation, Solved -> DirectionField or Pattern; None for the solution itself
     """
 
     request: SurfaceRequest
@@ -52,89 +52,89 @@ class Solved:
 
     @property
     def shown(self):
-        """The field or pattern whose phases vary."""
+        """The pattern, or the field if there is no pattern: what variations vary."""
         return self.field if self.pattern is None else self.pattern
 
     @property
     def varies(self):
-        """Whether there is a lifted field, which other variations and placed defects are projections of."""
+        """Whether there is a lifted field, of which variations and placed defects are projections."""
         return getattr(self.shown.solution, "lifted", None) is not None
 
-    def showing(self, shown):
-        """The field and the pattern with a variation of one of them."""
+    def field_and_pattern(self, shown):
+        """The field and the pattern, None for none, with ``shown`` in place of the present :attr:`shown`."""
         return (shown, None) if self.pattern is None else (self.field, shown)
 
-    def made_again(self):
-        """The state with phases of its own, for one of :meth:`unmade`."""
+    def restored(self):
+        """The state that :meth:`compact` was called on: the phases of its variation are computed again."""
         return self if self.change is None else self._with(self.change(self))
 
-    def unmade(self):
-        """The state without phases of its own: those of the solution, from which it can be made again."""
-        return self if self.change is None else self._with(self.shown.showing(self.shown.solution.phases))
+    def compact(self):
+        """The state with the solution's phases, which are shared, in place of those of its variation."""
+        return self if self.change is None else self._with(self.shown.with_phases(self.shown.solution.phases))
 
     def _with(self, shown):
-        field, pattern = self.showing(shown)
+        field, pattern = self.field_and_pattern(shown)
         return replace(self, field=field, pattern=pattern)
 
 
 class _States:
-    """States that an object has shown, by their lines: the present one with its phases, others as they were made."""
+    """States that an object has shown, by the lines of :func:`show_line`: the present one whole, all others compact."""
 
     def __init__(self):
-        self._unmade, self._line, self._present = {}, None, None
+        self._compact, self._line, self._present = {}, None, None
 
     def put(self, line, solved, instead):
         if instead:
-            self._unmade.pop(self._line, None)
+            self._compact.pop(self._line, None)
         self._line, self._present = line, solved
-        self._unmade[line] = solved.unmade()
-        meshes = {id(state.request.given.mesh): None for state in reversed(self._unmade.values())}
+        self._compact[line] = solved.compact()
+        meshes = {id(state.request.given.mesh): None for state in reversed(self._compact.values())}
         kept = list(meshes)[:SOLVES]
-        lines = [line for line, state in self._unmade.items() if id(state.request.given.mesh) in kept]
-        self._unmade = {line: self._unmade[line] for line in lines[-STATES:]}
+        lines = [line for line, state in self._compact.items() if id(state.request.given.mesh) in kept]
+        self._compact = {line: self._compact[line] for line in lines[-STATES:]}
 
     def holds(self, line):
-        return line is None or line in self._unmade
+        return line is None or line in self._compact
 
-    def unmade(self, line):
-        return self._unmade[self._line if line is None else line]
+    def compact(self, line):
+        return self._compact[self._line if line is None else line]
 
     def get(self, line):
         if line not in (None, self._line):
-            self._line, self._present = line, self._unmade[line].made_again()
+            self._line, self._present = line, self._compact[line].restored()
         return self._present
 
 
 def show_line(obj, line, number):
-    """Say at the object which state it shows, by what :func:`kept_results.result_line` keeps, and set the slider."""
+    """Store on the object which state it shows, as a line of :func:`kept_results.result_line`, and set the slider."""
     if hasattr(obj, "synch"):  # as long as the extension is registered
-        assign(obj.synch, "result", "")  # so that setting the slider asks for nothing
+        assign(obj.synch, "result", "")  # so that setting the slider does not start a change
         assign(obj.synch_shown, "variation", number)
         assign(obj.synch, "result", line)
 
 
 def show_nothing(obj):
-    """Say at the object that it shows no state of a solve, and keep its solves no longer."""
+    """Store on the object that it shows no state of a solve, and forget its solves."""
     at_the_end(lambda: forget(obj))
     show_line(obj, "", 0)
 
 
 def _line(obj):
-    """Of the state that an object shows; None for the latest one, where the extension is not registered."""
+    """The line of the state that an object shows; None, for the latest one, if the extension is not registered."""
     return obj.synch.result if hasattr(obj, "synch") else None
 
 
 def remember(obj, line, solved, instead=False):
-    """Keep the state that an object shows now, instead of the last one or beside it."""
+    """Keep the state that an object shows now, beside the last one or ``instead`` of it."""
     states = _fields.get(obj) if _fields.holds(obj) else _States()
     states.put(line, solved, instead)
     _fields.put(obj, states)
 
 
 def state(obj):
-    """The :class:`Solved` that belongs to the result an object shows, be its mesh changed or not.
+    """The :class:`Solved` of the result that an object shows, even if its mesh has changed since.
 
-    Raises SynchError where there is none.
+    Raises SynchError if it is no longer kept.
     """
     states = _fields.get(obj)
     if not states.holds(_line(obj)):
@@ -145,7 +145,7 @@ def state(obj):
 def recall(obj):
     """The :class:`Solved` that an object in object mode shows.
 
-    Raises SynchError where there is none, the mesh has changed since, or another object that shares it has been solved.
+    Raises SynchError if it is no longer kept, the mesh has changed since, or its attributes are those of another solve.
     """
     solved = state(obj)
     if not own_surface.is_unchanged(obj, solved.request.given):
@@ -158,7 +158,7 @@ def recall(obj):
 
 
 def is_outdated(obj):
-    """Whether the mesh of an object has changed since what it shows was solved; looked at again after a change only."""
+    """Whether an object's mesh has changed since its result was solved; compared again only after a change."""
     if obj.mode != "OBJECT" or not holds(obj):
         return False
     given = solve_of(obj).request.given
@@ -172,15 +172,15 @@ def is_outdated(obj):
 
 
 def solve_of(obj):
-    """The :class:`Solved` that :func:`state` gives, but with the phases of its solution: quick enough for panels."""
-    return _fields.get(obj).unmade(_line(obj))
+    """As :func:`state`, but compact (:meth:`Solved.compact`): quick enough for panels."""
+    return _fields.get(obj).compact(_line(obj))
 
 
 def forget(obj):
-    """Keep the solves of an object no longer."""
+    """Forget the solves of an object."""
     _fields.drop(obj)
 
 
 def holds(obj):
-    """Whether there is a solve of what an object shows, be its mesh changed or not."""
+    """Whether the solve of an object's result is still kept, even if its mesh has changed since."""
     return _fields.holds(obj) and _fields.get(obj).holds(_line(obj))

@@ -82,7 +82,7 @@ class PickedSurface:
         return np.array([tree.find_nearest(point)[0] for point in points])
 
     def _hit(self, origin, towards):
-        """The face that a ray first meets, and its corners as seen from that place; None twice where there is none."""
+        """The first face that a ray meets, and its corners relative to the place; (None, None) if it meets none."""
         place, _, face, _ = self.tree.ray_cast(origin, towards)
         return (None, None) if place is None else (face, self.places[self._corners(face)] - np.array(place))
 

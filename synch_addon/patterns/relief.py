@@ -53,7 +53,7 @@ _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
 def _inputs(kind, profiles):
     sockets = (
         Socket("Geometry", "Geometry", "A mesh with a pattern"),
-        Socket("Height", "Float", "How high the pattern stands out of the surface; below 0 it is cut in", 0.05),
+        Socket("Height", "Float", "Height of the pattern above the surface; below 0 it is cut in", 0.05),
         Socket("Width", "Float", "Part of a period, or of the area of quads, that is raised", 0.5, (0.0, 1.0)),
         Socket(
             "Profile",

@@ -59,16 +59,18 @@ class SynchConstraint(bpy.types.PropertyGroup):
         description="Vector attribute on the vertices; for phases a float attribute, in radians, or a vertex group",
         search=_suggest_attributes,
     )
-    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **_ANGLE)
+    angle: FloatProperty(name="Angle", description="Angle from the line, counterclockwise seen from outside", **_ANGLE)
     phase: FloatProperty(
         name="Phase",
         description="0° is the middle of a stripe, 180° the middle of a gap; it grows to the left of the line",
         **_ANGLE,
     )
-    soft: BoolProperty(name="Soft", description="Draw the pattern towards this, instead of holding it exactly")
+    soft: BoolProperty(
+        name="Soft", description="Let the pattern deviate from this constraint, instead of meeting it exactly"
+    )
     weight: FloatProperty(
         name="Weight",
-        description="How strongly it draws: at 1 about as strongly as the rest of the surface holds against it",
+        description="Strength of the constraint: at 1 it counts about as much as the rest of the surface",
         default=1.0,
         min=0.0,
         soft_max=100.0,

@@ -65,7 +65,7 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
         default=True,
     )
     constraints: CollectionProperty(
-        name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
+        name="Constraints", description="Conditions on the pattern along lines of the mesh", type=SynchConstraint
     )
     pins: StringProperty(name=_RECORDS["pins"].label, description=_RECORDS["pins"].tip)
     active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)

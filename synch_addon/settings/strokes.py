@@ -17,10 +17,12 @@ class SynchStrokes(bpy.types.PropertyGroup):
     """What the next stroke asks for."""
 
     wish: EnumProperty(name="Ask For", description="What the next stroke asks for", items=_WISHES)
-    soft: BoolProperty(name="Soft", description="Draw the pattern towards the next stroke, not hold it exactly")
+    soft: BoolProperty(
+        name="Soft", description="Let the pattern deviate from the next stroke, instead of meeting it exactly"
+    )
     strength: FloatProperty(
         name="Strength",
-        description="How strongly a soft stroke draws: at 1 about as strongly as the rest of the surface resists",
+        description="Strength of a soft stroke: at 1 it counts about as much as the rest of the surface",
         default=10.0,
         min=0.0,
         soft_max=100.0,

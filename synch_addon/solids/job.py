@@ -9,7 +9,7 @@ from ...core.fields.limits import Limits
 from ...core.geometry.filling.lengths import Lengths
 from ...core.solve import Options
 from ...core.tasks.layer_outputs import Layering
-from ...core.tasks.solids import AskedArea, SolidGuide, SolidRequest
+from ...core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 from ..blender import meshes
 from ..blender.attributes import read_factors
 from ..blender.modifiers import foreign_modifiers
@@ -60,7 +60,7 @@ class LayerJob:
             memory.remember_layers(obj, meshes.read_mesh(obj) if made["surface"] == obj else given, layering)
         solution, names = result.pattern.solution, {f"{kind}_object": one and one.name for kind, one in made.items()}
         facts = (
-            report.begun(solution, layering.solid)
+            report.opening_entries(solution, layering.solid)
             | names
             | layer_facts(layering)
             | {
@@ -70,7 +70,7 @@ class LayerJob:
             }
             | {"carrier": given.finding_counts}
         )
-        return facts | report.ended([solution], self.request.lengths._asdict())
+        return facts | report.closing_entries([solution], self.request.lengths._asdict())
 
 
 def _read(obj, settings, solid):
@@ -79,7 +79,7 @@ def _read(obj, settings, solid):
     given, distance, factors, lowest = surface.given, surface.distance, None, 1.0
     solid = None if solid is None else fit_solid(obj, surface, solid)
     guide = SolidGuide(settings.guidance, read_guide(obj, given, settings.guide))
-    asked = [AskedArea(read_area(obj, given, row.group), row.phase) for row in settings.flush]
+    flush_areas = [FlushArea(read_area(obj, given, row.group), row.phase) for row in settings.flush]
     if settings.spacing_map:
         factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)
         lowest = float(factors.min())
@@ -92,7 +92,7 @@ def _read(obj, settings, solid):
         surface,
         solid,
         guide,
-        tuple(asked),
+        tuple(flush_areas),
         lengths,
         factors,
         Options.of(settings),

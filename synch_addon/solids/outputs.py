@@ -178,7 +178,7 @@ class VolumeJob(_OutputJob):
 
 
 def _solid(obj):
-    """The object whose layers an object shows; refuses what is no object."""
+    """The object whose layers an object shows; SynchError if it has none or is not usable."""
     reason = no_object(obj)
     if reason:
         raise SynchError(reason)

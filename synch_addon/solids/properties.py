@@ -39,7 +39,7 @@ class SynchFlush(bpy.types.PropertyGroup):
     )
     offset: FloatProperty(
         name="Offset",
-        description="How far the faces lie above the last layer, in layers: a half for beads that end at them",
+        description="Height of the faces above the last layer, in layers: a half for beads that end at the faces",
         min=0.0,
         max=0.99,
         step=10,
@@ -69,7 +69,7 @@ class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
         name="File", description="A .vtu, or a .sol beside its .mesh, with vectors in the solid", subtype="FILE_PATH"
     )
     array: StringProperty(name="Array", description="Name of the array of vectors; empty for the only one")
-    groups: CollectionProperty(name="Groups", description="What is asked of parts of the surface", type=SynchFlush)
+    groups: CollectionProperty(name="Groups", description="Conditions on parts of the surface", type=SynchFlush)
     automatic_spacing: BoolProperty(
         name="Automatic Spacing", description="As many layers as the resolution carries, forty at most", default=True
     )

@@ -11,15 +11,16 @@ from ...core.files.json_text import plain
 from ...core.geometry.polylines import around, polyline_length
 from ..jobs.report import count_text
 
-# Shares of the paths' length, and of the layers' area, from which on and below which there is a warning; places that a
-# report lists.
+# Warnings come from this share of the paths' length on, and below this share of the layers' area; largest number of
+# places in a report.
 TOLD, COVERED, MOST_PLACES = 0.001, 0.99, 20
-# Volume of the beads that is told about, as a share of the solid's; widths of beads over the nozzle's opening.
+# Warnings come from this difference of the beads' volume from the solid's on, as a share of it, and outside these
+# widths of beads, over the nozzle's opening.
 VOLUME, WIDTHS = 0.02, (0.6, 2.0)
 
 
 def layer_facts(layering):
-    """What a run found in the solid, ready for JSON."""
+    """Figures of layers in a solid, ready for JSON."""
     pattern, surfaces = layering.pattern, layering.surfaces
     spacings = pattern.spacings
     return {
@@ -45,7 +46,7 @@ def layer_facts(layering):
 
 
 def print_facts(plan):
-    """What is told of a :class:`PrintPlan`, ready for JSON; shares are of the length of all paths."""
+    """Figures and warnings of a :class:`PrintPlan`, ready for JSON; shares are of the length of all paths."""
     machine = plan.machine
     heights, worst = plan.heights * machine.scale, int(plan.covered.argmin())
     thin, thick = heights < machine.smallest_height, heights > machine.largest_height
@@ -67,12 +68,12 @@ def print_facts(plan):
 
 
 def program_facts(program):
-    """What is told of a :class:`Program`, ready for JSON."""
+    """Figures of a :class:`Program`, ready for JSON."""
     return {name: value for name, value in dataclasses.asdict(program).items() if name != "text"}
 
 
 def _spread_of(values, shares):
-    """Median, and what 1 % of the length is below and above."""
+    """Median, and the values below and above which 1 % of the length is."""
     low, middle, high = quantiles(values, shares, [0.01, 0.5, 0.99])
     return {"low": float(low), "median": float(middle), "high": float(high)}
 

@@ -26,7 +26,7 @@ def read_surface(obj, strict=False):
     Parameters
     ----------
     obj : bpy.types.Object
-    strict : refuse a mesh that is no surface as it is, instead of taking its carrier
+    strict : refuse a mesh that is not manifold, instead of using a repaired copy
 
     Raises
     ------
@@ -39,7 +39,7 @@ def read_surface(obj, strict=False):
         vertices = np.unique(given.source[given.seam])
         raise MeshError(f"{obj.name} is one-sided and encloses nothing: fill a closed surface with two sides", vertices)
     if given.findings and len(given.mesh.boundary_edges):
-        meshes.read_mesh(obj, strict=True)  # which tells what keeps the surface from being closed
+        meshes.read_mesh(obj, strict=True)  # its error says why the surface is not closed
     check_closed(given.mesh, given.source)
     distance = SurfaceDistance(given.mesh)
     _refuse_crossings(given, _SHALLOW * float(np.linalg.norm(np.ptp(distance.bounds, axis=0))))

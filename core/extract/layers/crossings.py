@@ -28,7 +28,7 @@ BYTES_PER_CROSSING = 650
 
 @dataclass(frozen=True)
 class LayerCrossings:
-    """Phases in periods, none of them on a level, and the places where levels cross the edges.
+    """Phases in periods, moved so that none is on a level, and the places where levels cross the edges.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class LayerCrossings:
     starts, counts : (e,) the crossings of each edge follow one another from its lower vertex
     edges, shares : (c,) edge of each crossing and how far along it
     nodes : (c,) the number of the crossing, or c + v where it is put back onto vertex v
-    faces : (f, 3) vertices of the boundary's faces on which a layer lies, with their normal along the growth
+    faces : (f, 3) vertices of the boundary's faces on which a layer lies, with normals to larger phases
     """
 
     mesh: TetMesh
@@ -59,10 +59,11 @@ def refuse_too_many_layers(changes: np.ndarray) -> None:
 
 
 def crossings_of(edge_phases: EdgePhases[TetMesh], offset: float = 0.0) -> LayerCrossings:
-    """:class:`LayerCrossings` of the levels offset + 2 pi k; errors as :func:`refuse_too_many_layers`."""
+    """Find where the levels offset + 2 pi k cross the edges of a solid; errors as :func:`refuse_too_many_layers`."""
     mesh = edge_phases.mesh
     refuse_too_many_layers(edge_phases.changes)
     given, changes = (edge_phases.arguments[:, 0] - offset) / TURN, edge_phases.changes[:, 0] / TURN
+    # Phases on a level, up to rounding, are moved to one side of it by ASIDE, so that every crossing is inside an edge.
     near = np.abs(given - np.rint(given)) < ASIDE
     faces, sides = _layers_on_boundary(mesh, near, changes)
     phases = np.where(near, np.rint(given) + ASIDE * sides, given)
@@ -75,6 +76,7 @@ def crossings_of(edge_phases: EdgePhases[TetMesh], offset: float = 0.0) -> Layer
     edges, place = ragged_arange(counts)
     levels = first[edges] + np.where(rising, 1, -1)[edges] * place
     shares = np.clip((levels - begins[edges]) / changes[edges], 0, 1)
+    # Crossings beside a vertex that was on the level become the vertex itself.
     at_begin = near[i][edges] & (levels == np.rint(begins[edges]))
     at_end = near[j][edges] & (levels == np.rint(ends[edges]))
     nodes = np.arange(len(edges))
@@ -110,7 +112,7 @@ def _layers_on_boundary(mesh: TetMesh, near: np.ndarray, changes: np.ndarray) ->
 
 def polygons_in(crossings: LayerCrossings, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(p, 3) triangles and (q, 4) quads of crossings, the levels in (t,) tetrahedra without a punctured face; their
-    normals are along the growth."""
+    normals point to larger phases."""
     mesh = crossings.mesh
     corners, edges = mesh.tets[tets], mesh.tet_edges[tets]
     values = np.repeat(crossings.phases[corners[:, :1]], 4, axis=1)

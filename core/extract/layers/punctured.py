@@ -18,7 +18,7 @@ from .crossings import LayerCrossings
 
 def sheets_in(crossings: LayerCrossings, numbers: np.ndarray, tets: np.ndarray) -> np.ndarray:
     """(k, 3) triangles of the levels in (t,) punctured tetrahedra, by the (f,) dislocation numbers of the faces;
-    normals are along the growth. Corners are crossings, then centres of faces, then centres of tetrahedra."""
+    normals point to larger phases. Corners are crossings, then centres of faces, then centres of tetrahedra."""
     mesh, count = crossings.mesh, len(crossings.edges)
     tet_centre = count + len(mesh.faces)
     signs = outward_signs(mesh)[tets].tolist()

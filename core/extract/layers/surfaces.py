@@ -26,9 +26,9 @@ class LayerSurfaces:
     Attributes
     ----------
     vertices : (p, 3)
-    triangles : (t, 3) vertices, normals along the growth
+    triangles : (t, 3) vertices, with normals to larger phases
     layers : (t,) number of the connected piece, from 0 at the bottom, or of the level, of all pieces at one height;
-        a screw dislocation along the growth makes one ramp of the sheets around it
+        a screw dislocation along the normals joins the sheets around it into one ramp
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
     """
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Crossings of lines with edges, and the straight pieces of lines inside triangles that join them."""
+"""Crossings of lines with edges, and the chords that join them: straight pieces of lines inside triangles.
+
+A triangle's rim is its three sides, walked counterclockwise; a place on it has a rank, its number on that walk.
+"""
 
 from dataclasses import dataclass
 
@@ -81,7 +84,7 @@ class Chords:
 
     Attributes
     ----------
-    triangles, phases : (h,) triangle, and phase of its first corner
+    triangles, phases : (h,) triangle, and index of the phase as its first corner numbers them
     ends : (h, 2) index of the crossing at either end; the number of crossings plus that of the centre at a centre
     ranks : (h, 2) order of the ends on the rim, increasing counterclockwise and within each chord
     """
@@ -103,8 +106,9 @@ class Rims:
     ----------
     triangles, sides, crossings : (r,)
     ranks : (r,) order on the rim, increasing counterclockwise
-    phases, levels : (r,) phase and label of the level, seen from the triangle's first corner
-    values : (m, 4, k) phases at the corners and again at the first, seen from the first, in units of pi
+    phases, levels : (r,) phase and label of its level, both as the triangle's first corner has them
+    values : (m, 4, k) phases at the corners, continued from the first one, and again at the first after a walk around,
+        in units of pi
     numbers : (m, k) dislocation numbers
     """
 
@@ -121,18 +125,22 @@ class Rims:
 def rims_of(prepared: PreparedPattern, crossings: Crossings) -> Rims:
     """:class:`Rims` of the triangles of a :class:`PreparedPattern`."""
     triangle, side, crossing, rank = _places_on_rims(prepared.mesh, crossings)
-    phase, level, values, numbers = _seen_from_first_corners(prepared, crossings, triangle, side, crossing)
+    phase, level, values, numbers = _in_first_corners_phases(prepared, crossings, triangle, side, crossing)
     return Rims(triangle, side, crossing, rank, phase, level, values, numbers)
 
 
 def chords_of(prepared: PreparedPattern, crossings: Crossings, rims: Rims) -> Chords:
-    """Join the crossings on each triangle's rim that belong to one line, except in phases with a dislocation."""
+    """Join the crossings on each triangle's rim that belong to one line, except in phases with a dislocation.
+
+    A line crosses a triangle's rim twice, or in a third of a split triangle once if it ends at the centre.
+    """
     order = np.lexsort((rims.ranks, rims.levels, rims.phases, rims.triangles))
     order = order[rims.numbers[rims.triangles, rims.phases][order] == 0]
     columns = (rims.triangles, rims.phases, rims.levels, rims.ranks, rims.crossings)
     triangle, phase, level, rank, crossing = (column[order] for column in columns)
+    # Sorted as they are, the two crossings of one line follow each other.
     first = np.flatnonzero((np.diff(triangle) == 0) & (np.diff(phase) == 0) & (np.diff(level) == 0))
-    alone = np.ones(len(order), bool)
+    alone = np.ones(len(order), bool)  # crossings whose line ends at a centre
     alone[first] = alone[first + 1] = False
     alone &= (prepared.fans[triangle] >= 0) & (np.rint(rims.values[triangle, 2, phase]) == level)
     centre = len(crossings.edges) + prepared.mesh.triangles[triangle[alone], 2] - prepared.first_centre
@@ -176,17 +184,20 @@ def _places_on_rims(mesh: TriangleMesh, crossings: Crossings) -> tuple[np.ndarra
     return half // 3, half % 3, crossing, crossings.stride * (half % 3) + 1 + place
 
 
-def _seen_from_first_corners(
+def _in_first_corners_phases(
     prepared: PreparedPattern, crossings: Crossings, triangle: np.ndarray, side: np.ndarray, crossing: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Phases, levels, values and numbers of :class:`Rims`."""
+    """Phases, levels, values and numbers of :class:`Rims`: what each edge's lower vertex has, for the first corner.
+
+    The phases of the first corner are carried along the sides; each matching on the way exchanges or reverses them.
+    """
     mesh, phases = prepared.mesh, prepared.phases
     radians = in_radians(phases)
     values, _ = radians.around(mesh.triangles)
     in_fan = prepared.fans >= 0
     # The walk around a third of a triangle does not close at its centre: the first corner keeps its own values.
     values[in_fan, 3] = values[in_fan, 0]
-    turns = np.zeros((mesh.triangle_count, 4), int)
+    turns = np.zeros((mesh.triangle_count, 4), int)  # sum of the matchings from the first corner on
     for k in range(3):
         _, matched = phases.between(mesh.triangles[:, k], mesh.triangles[:, (k + 1) % 3])
         turns[:, k + 1] = turns[:, k] + matched
@@ -197,6 +208,7 @@ def _seen_from_first_corners(
     vertex = mesh.triangles[triangle, corner % 3]
     turned = turns[triangle, corner]
     offsets = values[triangle, corner] / np.pi - after_turns(phases.arguments[vertex], -turned)
+    # Directions k and more are the negatives of the k phases.
     direction = (crossings.phases[crossing] + turned) % (2 * phases.phase_count)
     phase = direction % phases.phase_count
     offset = np.rint(offsets[np.arange(len(phase)), phase])

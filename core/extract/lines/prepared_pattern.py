@@ -71,28 +71,33 @@ def _look_across_lines(inward: np.ndarray, edge_phases: EdgePhases) -> None:
 
 
 def prepare_pattern(phases: EdgePhases) -> PreparedPattern:
-    """:class:`PreparedPattern` of phases in units of pi."""
+    """Split the triangles with a disclination at their centres; phases in units of pi.
+
+    The phases have one value at such a centre, which all its turned copies share; the changes from the corners to it
+    follow.
+    """
     mesh = phases.mesh
-    _, torn = dislocation_numbers(in_radians(phases), mesh.triangles)
-    singular = np.flatnonzero(torn)
+    _, is_singular = dislocation_numbers(in_radians(phases), mesh.triangles)
+    singular = np.flatnonzero(is_singular)
     centres = mesh.vertex_count + np.arange(len(singular))
     corners = mesh.triangles[singular]
     thirds = np.stack([corners, np.roll(corners, -1, axis=1), np.repeat(centres[:, None], 3, axis=1)], axis=2)
-    whole = np.flatnonzero(~torn)
+    whole = np.flatnonzero(~is_singular)
     split = TriangleMesh(
         np.concatenate([mesh.vertices, mesh.vertices[corners].mean(axis=1)]),
         np.concatenate([mesh.triangles[whole], thirds.reshape(-1, 3)]),
     )
+    # The edges between given vertices keep their changes and matchings.
     changes, matched = np.zeros((len(split.edges), phases.phase_count)), np.zeros(len(split.edges), int)
     old = split.edges[:, 1] < mesh.vertex_count
     source = mesh.edges_between(*split.edges[old].T)
     changes[old], matched[old] = phases.changes[source], phases.matchings[source]
-    # Changes from each corner to the centre, for the phases of the corner.
+    # Changes from each corner to the centre, of the phases as the corner numbers them.
     values, turns = in_radians(phases).around(corners)
-    fixed = disclination_centres(values, turns) / np.pi
-    turned = np.zeros(len(corners), int)
+    at_centre = disclination_centres(values, turns) / np.pi
+    turned = np.zeros(len(corners), int)  # matchings from the first corner to corner k
     for k in range(3):
-        inwards = after_turns(fixed - values[:, k] / np.pi, turned)
+        inwards = after_turns(at_centre - values[:, k] / np.pi, turned)
         changes[split.edges_between(corners[:, k], centres)] = inwards
         turned = turned + phases.between(corners[:, k], corners[:, (k + 1) % 3])[1]
     arguments = np.concatenate([phases.arguments, np.zeros((len(centres), phases.phase_count))])
@@ -100,16 +105,16 @@ def prepare_pattern(phases: EdgePhases) -> PreparedPattern:
         split,
         EdgePhases(split, arguments, changes, matched),
         np.concatenate([whole, np.repeat(singular, 3)]),
-        np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), _places_of_thirds(values, fixed)]),
+        np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), _places_of_thirds(values, at_centre)]),
         np.concatenate([np.full(len(whole), -1), np.tile(np.arange(3), len(singular))]),
         mesh.vertex_count,
         turns,
     )
 
 
-def _places_of_thirds(values: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+def _places_of_thirds(values: np.ndarray, at_centre: np.ndarray) -> np.ndarray:
     """(3 c, 3, 3) barycentric coordinates of the thirds' corners; a centre is the triangle's middle, or a vertex."""
-    apart = np.abs(values[:, :3] / np.pi - fixed[:, None]).max(axis=2)
+    apart = np.abs(values[:, :3] / np.pi - at_centre[:, None]).max(axis=2)
     nearest = apart.argmin(axis=1)
     at_vertex = apart[np.arange(len(apart)), nearest] < SAME
     centres = np.where(at_vertex[:, None], np.eye(3)[nearest], 1 / 3)

@@ -248,8 +248,9 @@ class _Arcs:
     points, steps : (n, 3), (n,) points, and distances to the next ones in periods
     ways : (n,) distances from the start of the line, in periods
     following, lines : (n,) next point, and line
-    wholes : (l,) periods of closed lines, 0 for open ones
-    apart : distance between consecutive lines in the tree's fourth coordinate
+    wholes : (l,) whole number of periods of closed lines, 0 for open ones
+    apart : distance between consecutive lines in the tree's fourth coordinate, more than any in space: a query finds
+        points of its own line only
     """
 
     points: np.ndarray
@@ -263,13 +264,14 @@ class _Arcs:
 
     @classmethod
     def of(cls, lines: Isolines, spacing: float) -> "_Arcs":
+        """Measure lines in periods; a closed line has the whole number of them, at least 1, that is nearest."""
         wholes = np.where(lines.closed, np.maximum(np.rint(lines.lengths / spacing), 1), 0)
         scale = np.where(lines.closed, wholes / np.maximum(lines.lengths, np.finfo(float).tiny), 1 / spacing)
         points, numbers = lines.points, lines.numbers
         apart = 2 * np.linalg.norm(np.ptp(lines.mesh.vertices, axis=0))
         tree = cKDTree(np.column_stack([points, apart * numbers]))
-        scales = scale[numbers]
-        return cls(points, lines.steps * scales, lines.arc_lengths * scales, lines.next, numbers, wholes, apart, tree)
+        steps, ways = lines.steps * scale[numbers], lines.arc_lengths * scale[numbers]
+        return cls(points, steps, ways, lines.next, numbers, wholes, apart, tree)
 
     def nearest(self, places: np.ndarray, feet: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(k,) coordinates and (k, 3) unit tangents of the points of the given lines nearest to (k, 3) places.

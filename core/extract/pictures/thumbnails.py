@@ -125,7 +125,7 @@ class Seen:
 
 
 def _covered_points(corners: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) triangles and (k,) numbers of the points that they cover, row by row.
+    """Rasterize triangles by scan lines: (k,) triangles and (k,) numbers of the points that they cover.
 
     ``corners`` are (m, 3, 2) in points, whose middles have half-integer coordinates; ``size`` is the picture's width.
     """
@@ -134,14 +134,14 @@ def _covered_points(corners: np.ndarray, size: int) -> tuple[np.ndarray, np.ndar
     last = np.clip(np.floor(high - 0.5), -1, size - 1).astype(int)
     which, row = ragged_arange(np.maximum(last - first + 1, 0))
     row += first[which]
-    height = row + 0.5
+    height = row + 0.5  # each (triangle, row) from here on: where the row enters and leaves the triangle
     begin, end = np.full(len(row), np.inf), np.full(len(row), -np.inf)
     for start, stop in ((0, 1), (1, 2), (2, 0)):
         (x, y), (to_x, to_y) = corners[which, start].T, corners[which, stop].T
         rise = np.where(to_y == y, 1, to_y - y)
-        way = np.where(to_y == y, -1, (height - y) / rise)
-        crossed = (way >= 0) & (way <= 1)
-        at = x + way * (to_x - x)
+        share = np.where(to_y == y, -1, (height - y) / rise)
+        crossed = (share >= 0) & (share <= 1)
+        at = x + share * (to_x - x)
         begin, end = np.where(crossed, np.minimum(begin, at), begin), np.where(crossed, np.maximum(end, at), end)
     first = np.clip(np.ceil(begin - 0.5), 0, size).astype(int)
     last = np.clip(np.floor(end - 0.5), -1, size - 1).astype(int)

@@ -14,14 +14,14 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components
-from .groups import Growth, Links, join_links
+from .groups import Links, OneForm, join_links
 from .lines import line_of_edges
 from .rows import GRID, Row
 
 # Radians by which a line turns at a corner.
 CORNER = np.radians(30)
-# The least angle between a grid line and the growth of its phase: at half a right angle the line would be as near to
-# the other phase's lines.
+# The least angle between a grid line and the direction in which its phase grows: at half a right angle the line would
+# be as near to the other phase's lines.
 LEAST_ALONG = np.radians(50)
 # Two lines that meet at a smaller angle at the boundary could both run along the same direction of a cross, without a
 # quad between. Inside, where a sharp edge fades out beside another, such a corner needs none.
@@ -159,13 +159,13 @@ def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge
     return Row(line, GRID, name=name)
 
 
-def add_grid_lines(growth: Growth, rows: Sequence[Row], links: Links) -> tuple[Links, np.ndarray]:
+def add_grid_lines(one_form: OneForm, rows: Sequence[Row], links: Links) -> tuple[Links, np.ndarray]:
     """The links of mirrors with those along grid lines, and the (k,) phases on these, each of which is 1 or -1."""
-    along, nodes = _grid_links(growth, rows)
+    along, nodes = _grid_links(one_form, rows)
     if len(nodes) == 0:
         return links, nodes
     joined = join_links([links, along])
-    return _spanning(growth.phase_count * growth.mesh.vertex_count, joined, nodes), nodes
+    return _spanning(one_form.phase_count * one_form.mesh.vertex_count, joined, nodes), nodes
 
 
 def link_to_themselves(nodes: np.ndarray) -> Links:
@@ -174,13 +174,13 @@ def link_to_themselves(nodes: np.ndarray) -> Links:
     return Links(nodes, nodes, np.zeros(len(nodes)), np.ones(len(nodes), bool), names)
 
 
-def _grid_links(growth: Growth, rows: Sequence[Row]) -> tuple[Links, np.ndarray]:
+def _grid_links(one_form: OneForm, rows: Sequence[Row]) -> tuple[Links, np.ndarray]:
     """Links between the phases along the edges of grid lines, and the phases, which are 1 or -1.
 
     Of the two phases of an edge it is the one that grows most across. Edges at the vertices of other rows are left out,
     and so are those along which the directions do not run.
     """
-    mesh, count = growth.mesh, growth.phase_count
+    mesh, count = one_form.mesh, one_form.phase_count
     taken = np.zeros(mesh.vertex_count, bool)
     links = np.empty((0, 2), int)
     for row in rows:
@@ -192,9 +192,9 @@ def _grid_links(growth: Growth, rows: Sequence[Row]) -> tuple[Links, np.ndarray]
     edges = np.unique(mesh.edges_between(*links.T)) if len(links) else np.empty(0, int)
     i, j = mesh.edges[edges].T
     own = np.arange(count)
-    matched = growth.matchings[edges, None]
-    at_tail = growth.angles[i, None] + growth.turn * own - mesh.edge_directions[edges, :1]
-    at_head = growth.angles[j, None] + growth.turn * (own - matched) - mesh.edge_directions[edges, 1:]
+    matched = one_form.matchings[edges, None]
+    at_tail = one_form.angles[i, None] + one_form.turn * own - mesh.edge_directions[edges, :1]
+    at_head = one_form.angles[j, None] + one_form.turn * (own - matched) - mesh.edge_directions[edges, 1:]
     across = np.abs(np.sin(at_tail)) + np.abs(np.sin(at_head))
     along = across.max(axis=1, initial=0) > 2 * np.sin(LEAST_ALONG)
     edges, i, j, across, matched = edges[along], i[along], j[along], across[along], matched[along]

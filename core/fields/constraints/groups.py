@@ -19,7 +19,7 @@ from ...problem import Merged, Targets
 TOLERANCE = 1e-4
 
 
-class Growth(Protocol):
+class OneForm(Protocol):
     """What constraints need of a :class:`core.fields.target_one_form.TargetOneForm`, which describes it."""
 
     @property
@@ -40,7 +40,10 @@ class Growth(Protocol):
 
 @dataclass(frozen=True)
 class Links:
-    """phase_j = exp(1j * angles) * (conj where flips)(phase_i), and the names of their sources for messages."""
+    """Links between phases: phase_j = exp(1j * angle) * phase_i, with phase_i conjugated where the link flips.
+
+    ``names`` are the rows or settings that ask for them, for messages.
+    """
 
     i: np.ndarray
     j: np.ndarray
@@ -50,7 +53,7 @@ class Links:
 
 
 def join_links(parts: Iterable[Links]) -> Links:
-    """Any number of :class:`Links` as one."""
+    """Concatenate any number of :class:`Links`."""
     none = Links(np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0, bool), np.empty(0, object))
     names = Links.__dataclass_fields__
     return Links(*(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
@@ -82,15 +85,21 @@ def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: st
 
 
 def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, slack: float) -> Targets:
-    """Fixed values without those that may give way, (k,) bool, and whose links contradict other fixed values."""
+    """Drop the fixed values that contradict others through a link and may give way.
+
+    Parameters
+    ----------
+    gives_way : (k,) bool, for each fixed value
+    slack : how far linked unit values may differ
+    """
     values = np.full(
         max(links.i.max(initial=-1), links.j.max(initial=-1), fixed.nodes.max(initial=-1)) + 1, np.nan, complex
     )
     values[fixed.nodes] = fixed.values
     start = values[links.i]
     apart = np.abs(np.exp(1j * links.angles) * np.where(links.flips, start.conj(), start) - values[links.j]) > slack
-    torn = np.isin(fixed.nodes, np.append(links.i[apart], links.j[apart]))
-    keep = ~(gives_way & torn)
+    contradicts = np.isin(fixed.nodes, np.append(links.i[apart], links.j[apart]))
+    keep = ~(gives_way & contradicts)
     return Targets(fixed.nodes[keep], fixed.values[keep])
 
 

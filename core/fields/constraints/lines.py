@@ -135,23 +135,26 @@ def group_edges(mesh: TriangleMesh, vertices: np.ndarray) -> np.ndarray:
 
 
 def line_of_group(mesh: TriangleMesh, vertices: np.ndarray) -> Line:
-    """A group of (n,) bool vertices: its chains of edges and the outlines of its areas are lines, the rest points."""
+    """The line of a group of (n,) bool vertices: its chains of edges and the outlines of its areas.
+
+    Vertices inside areas are stations too, which stand for their share of the area, and so are single vertices.
+    """
     inside = vertices[mesh.triangles].all(axis=1)
     among = vertices[mesh.edges].all(axis=1)
     lines = line_of_edges(mesh, group_edges(mesh, vertices))
     areas = np.bincount(mesh.triangles[inside].ravel(), np.repeat(mesh.areas[inside] / 3, 3), mesh.vertex_count)
-    alone = np.setdiff1d(np.flatnonzero(vertices), lines.nodes)
-    points = np.concatenate([np.flatnonzero(areas), alone[areas[alone] == 0]])
-    filled = line_of_points(mesh, points, areas=areas[points])
-    return replace(join_stations([lines, filled]), links=mesh.edges[among])
+    off_lines = np.setdiff1d(np.flatnonzero(vertices), lines.nodes)
+    nodes = np.concatenate([np.flatnonzero(areas), off_lines[areas[off_lines] == 0]])
+    points = line_of_points(mesh, nodes, areas=areas[nodes])
+    return replace(join_stations([lines, points]), links=mesh.edges[among])
 
 
 def line_of_points(
     mesh: TriangleMesh, vertices: np.ndarray, angles: np.ndarray | None = None, areas: np.ndarray | None = None
 ) -> Line:
-    """(k,) vertices that are not linked to each other, optionally with angles, as of a given field.
+    """A station at each of (k,) vertices, without links, optionally with (k,) angles, as of a given field.
 
-    Each stands for its share of the surface, or for one of (k,) other areas.
+    Each stands for its vertex's share of the surface's area, or for one of (k,) given areas.
     """
     angles = np.full(len(vertices), np.nan) if angles is None else angles
     lengths = (mesh.vertex_masses[vertices] if areas is None else areas) / np.sqrt(mesh.areas.sum())

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ...gauge import balance
 from ...graphs import components
 from ...problem import Merged, Targets
-from .groups import TOLERANCE, Growth, Links, contract_groups, fixed_phases, join_links
+from .groups import TOLERANCE, Links, OneForm, contract_groups, fixed_phases, join_links
 from .rows import Row, penalties
 
 
@@ -31,11 +31,11 @@ class _LinePhases:
     vertices: np.ndarray
 
     @classmethod
-    def of(cls, row: Row, growth: Growth) -> "_LinePhases":
-        count = growth.phase_count
+    def of(cls, row: Row, one_form: OneForm) -> "_LinePhases":
+        count = one_form.phase_count
         line = row.line.directed
-        towards = growth.angles[line.vertices] - line.angles - np.pi / 2
-        rise = np.cos(towards[:, None] + growth.turn * np.arange(count))
+        towards = one_form.angles[line.vertices] - line.angles - np.pi / 2
+        rise = np.cos(towards[:, None] + one_form.turn * np.arange(count))
         own = np.abs(rise).argmax(axis=1)
         rise = np.take_along_axis(rise, own[:, None], axis=1)[:, 0]
         directed, place = np.unique(count * line.vertices + own, return_inverse=True)
@@ -44,12 +44,12 @@ class _LinePhases:
         shifts, turned = np.zeros(len(nodes)), np.zeros(len(nodes), bool)
         if count == 1:
             i, j = row.line.links.T
-            flips = growth.matchings[growth.mesh.edges_between(i, j)] == 1
+            flips = one_form.matchings[one_form.mesh.edges_between(i, j)] == 1
             turned, _ = balance(len(nodes), np.searchsorted(nodes, row.line.links), flips)
         at = np.searchsorted(nodes, directed)
         stations = np.bincount(place)
-        shifts[at] = np.bincount(place, growth.rates.ravel()[directed][place] * line.offsets * rise) / stations
-        turned[at] = (np.bincount(place, rise) < 0) & (not growth.has_signs)
+        shifts[at] = np.bincount(place, one_form.rates.ravel()[directed][place] * line.offsets * rise) / stations
+        turned[at] = (np.bincount(place, rise) < 0) & (not one_form.has_signs)
         return cls(row, nodes, shifts, turned, nodes // count)
 
     def of_vertices(self, values: ArrayLike) -> np.ndarray:
@@ -65,7 +65,7 @@ class _LinePhases:
 
 
 def phase_constraints(
-    growth: Growth, rows: Sequence[Row], links: Iterable[Links] = (), slack: float = TOLERANCE
+    one_form: OneForm, rows: Sequence[Row], links: Iterable[Links] = (), slack: float = TOLERANCE
 ) -> tuple[Targets, Merged, list[Targets]]:
     """Fixed, merged and softly constrained phases of a pattern.
 
@@ -77,11 +77,11 @@ def phase_constraints(
     links : further links between phases
     slack : how far linked values may differ
     """
-    phases = [_LinePhases.of(row, growth) for row in rows]
+    phases = [_LinePhases.of(row, one_form) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]
     fixed = fixed_phases([(p.row.name, p.nodes, p.values) for p in hard], "remove one of them there")
-    joined = join_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
-    count = growth.phase_count * growth.mesh.vertex_count
+    joined = join_links([*links, *(_links(p, one_form) for p in phases if p.row.kind == "constant")])
+    count = one_form.phase_count * one_form.mesh.vertex_count
     fixed, merged = contract_groups(count, joined, fixed, slack)
     is_fixed = np.zeros(count, bool)
     is_fixed[fixed.nodes] = True
@@ -89,16 +89,16 @@ def phase_constraints(
     for p in phases:
         if not p.row.is_hard:
             free = ~is_fixed[p.nodes]
-            weights = p.of_vertices(penalties(growth.mesh, p.row))
+            weights = p.of_vertices(penalties(one_form.mesh, p.row))
             drawn.append(Targets(p.nodes[free], p.values[free], weights[free]))
     return fixed, merged, drawn
 
 
-def _links(phases: _LinePhases, growth: Growth) -> Links:
+def _links(phases: _LinePhases, one_form: OneForm) -> Links:
     """Links from the first node of each connected piece of a line, in one phase, to the other nodes."""
-    count, nodes = growth.phase_count, phases.nodes
+    count, nodes = one_form.phase_count, phases.nodes
     i, j = np.sort(phases.row.line.links, axis=1).T
-    matched = growth.matchings[growth.mesh.edges_between(i, j)]
+    matched = one_form.matchings[one_form.mesh.edges_between(i, j)]
     own = np.arange(count)
     tails, heads = count * i[:, None] + own, count * j[:, None] + (own - matched[:, None]) % count
     joined = np.isin(tails, nodes) & np.isin(heads, nodes)

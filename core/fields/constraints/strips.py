@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strips between two grid lines that are narrower than a quad, and a growth in which a quad fits across.
+"""Strips between two grid lines that are narrower than a quad, and a target one-form for which a quad fits across.
 
 Where lines run side by side closer than a quad's side, the phase on both rounds to the same multiple, so that they
 would become one grid line. There lengths across the strip are enlarged, and those along it kept.
@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components, pairs_within, ragged_arange
-from .groups import Growth
+from .groups import OneForm
 from .rows import GRID, Row
 
 # Quads across a strip: more than one, so that two are nearer than none where their number has to be even; and the
@@ -26,13 +26,13 @@ BESIDE = np.cos(np.radians(12))
 STEP = 0.1
 
 
-def strip_stretch(growth: Growth, rows: Sequence[Row]) -> complex | np.ndarray:
-    """The stretch of a growth of two phases, one or (e,) complex, that makes room for a quad between grid lines."""
+def strip_stretch(one_form: OneForm, rows: Sequence[Row]) -> complex | np.ndarray:
+    """The stretch of a target one-form of quads, one or (e,) complex, that makes room for a quad between grid lines."""
     links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
     if len(links) == 0:
         return 1.0
-    mesh = growth.mesh
-    sides = np.pi / growth.rates.mean(axis=1)
+    mesh = one_form.mesh
+    sides = np.pi / one_form.rates.mean(axis=1)
     across, factors = find_strips(mesh, np.unique(mesh.edges_between(*links.T)), sides)
     return _stretch_edges(mesh, across, factors)
 

@@ -51,11 +51,11 @@ class ClosedSurface:
         return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
 
     def filled(self, size: float, areas: Sequence[Area] = ()) -> TetMesh:
-        """Fill the surface with tetrahedra of a size, with its sharp edges and the outlines of areas.
+        """Fill the surface with tetrahedra of a size, which follow its sharp edges and the outlines of areas.
 
         Errors as :func:`fill_with_same_topology`.
         """
-        labels = np.zeros(self.mesh.triangle_count, int)
+        labels = np.zeros(self.mesh.triangle_count, int)  # one bit for each area
         for number, area in enumerate(areas):
             labels[area.triangles] += 1 << number
         return sharpen_edges(fill_with_same_topology(self.distance, size), self.mesh, self.distance.nearest, labels)

@@ -65,12 +65,12 @@ class Slack:
 def lower_bound(piece: Piece, shift: float, duals: np.ndarray, depth: float) -> float:
     """Value of the dual point that is feasible when S + depth A is positive semidefinite (Eqs. 22, 23)."""
     share = 1 / (1 + depth)
-    return float(piece.held.sum((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum()))
+    return float(piece.reductions.sum((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum()))
 
 
 def depth_for_bound(piece: Piece, shift: float, duals: np.ndarray, bound: float) -> float:
     """The depth at which :func:`lower_bound` is ``bound``."""
-    return float((piece.held.sum(traces(duals).sum()) - bound) / (bound + shift * piece.total_mass))
+    return float((piece.reductions.sum(traces(duals).sum()) - bound) / (bound + shift * piece.total_mass))
 
 
 def measure_slack(
@@ -108,8 +108,8 @@ def measure_slack(
     steps = min(MOST_STEPS, free)
     masses = shift * piece.row_mass
     weight = with_diagonal(on_rows(duals, piece.block), masses)
-    space = _Space(matrix, masses, weight, point.shape[1] + steps, piece.held)
-    squares, rotation = eigh(piece.held.sum(point.conj().T @ point))
+    space = _Space(matrix, masses, weight, point.shape[1] + steps, piece.reductions)
+    squares, rotation = eigh(piece.reductions.sum(point.conj().T @ point))
     for column in (point @ rotation[:, squares > NEGLIGIBLE * squares[-1]]).T:
         space.add(column)
     known = space.filled
@@ -144,12 +144,14 @@ class _Space:
     ``matrix`` is L, ``masses`` the (N,) diagonal of A - L, ``weight`` W, (N,) or in blocks.
     """
 
-    def __init__(self, matrix: Matrix, masses: np.ndarray, weight: np.ndarray, capacity: int, held: Reductions) -> None:
+    def __init__(
+        self, matrix: Matrix, masses: np.ndarray, weight: np.ndarray, capacity: int, reductions: Reductions
+    ) -> None:
         real = np.finfo(matrix.dtype).dtype
         self._matrix, self._masses, self.weight = matrix, masses.astype(real), weight.astype(real)
         self._vectors = np.empty((capacity, len(masses)), matrix.dtype)
         self._weighted, self._measured = np.zeros((2, capacity, capacity), matrix.dtype)
-        self._held, self.filled = held, 0
+        self._reductions, self.filled = reductions, 0
 
     def _apply(self, vector: np.ndarray) -> np.ndarray:
         image: np.ndarray = self._matrix @ vector + self._masses * vector
@@ -161,7 +163,7 @@ class _Space:
         vector = vector.astype(self._vectors.dtype)
         vector -= self._inner(vectors, self._apply(vector)) @ vectors
         image = self._apply(vector)
-        square = self._held.sum(np.vdot(vector, image).real)
+        square = self._reductions.sum(np.vdot(vector, image).real)
         if not square > 0:
             return False
         image /= np.sqrt(square)
@@ -188,19 +190,19 @@ class _Space:
 
     def length(self, residual: np.ndarray, solved: np.ndarray) -> float:
         """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""
-        square = float(self._held.sum(np.vdot(residual, solved).real))
+        square = float(self._reductions.sum(np.vdot(residual, solved).real))
         return float(np.sqrt(square)) if square >= 0 else np.inf
 
     def _inner(self, vectors: np.ndarray, other: np.ndarray) -> np.ndarray:
         """(k,) inner products of (k, N) vectors with another one, without copying them."""
-        return self._held.sum((vectors @ other.conj()).conj())
+        return self._reductions.sum((vectors @ other.conj()).conj())
 
 
 def provable_width(piece: Piece, long_proofs: bool = False) -> int | None:
     """Rows of the widest front if a proof by factorization is affordable in memory and, unless ``long_proofs`` is set,
     in time; otherwise None."""
     rows = piece.matrix.shape[0]
-    if not piece.held.is_whole or (rows > LARGEST_PROOF and not long_proofs):
+    if not piece.reductions.is_whole or (rows > LARGEST_PROOF and not long_proofs):
         return None
     width: int = front_width(piece.matrix)
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)

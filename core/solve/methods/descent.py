@@ -67,7 +67,7 @@ def descend(
     image = matrix @ point
     values = spheres.energies(point, image)
     gradient = spheres.gradient(point, image)
-    noise = rounding_noise(matrix, spheres.held)
+    noise = rounding_noise(matrix, spheres.reductions)
     # Gradients show decreases that are lost in the rounding of values: worth using in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     products, steps, out_of_time = point.shape[1], 0, False
@@ -100,9 +100,9 @@ def descend(
     return Descent(point, values, steps, products, out_of_time)
 
 
-def rounding_noise(matrix: Matrix, held: Reductions = HERE) -> float:
+def rounding_noise(matrix: Matrix, reductions: Reductions = HERE) -> float:
     """Changes of the energy of unit vectors below this are rounding, in the matrix's precision."""
-    return float(2 * np.finfo(matrix.dtype).eps * float(held.norm(matrix.diagonal())))
+    return float(2 * np.finfo(matrix.dtype).eps * float(reductions.norm(matrix.diagonal())))
 
 
 def _two_loop(

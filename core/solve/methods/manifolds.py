@@ -8,7 +8,7 @@ unit vector per node, either on the circle (:class:`Circles`, whose tangent vect
 
 All have the same methods. ``point`` and ``image`` (the matrix times the point) are arrays in rows of the matrix;
 tangent vectors are real arrays, whose sums go over everything (:class:`Lifted`, one value) or over each column (k
-values). ``memory`` is the number of moves that a descent stores; ``held`` sums over all processes.
+values). ``memory`` is the number of moves that a descent stores; ``reductions`` sums over all processes.
 """
 
 from dataclasses import KW_ONLY, dataclass
@@ -42,7 +42,7 @@ class Lifted:
 
     block: int
     width: int = 1
-    held: Reductions = HERE
+    reductions: Reductions = HERE
     # The metric is close to the Hessian: storing more saves no step.
     memory = 2
 
@@ -62,7 +62,7 @@ class Lifted:
 
     def energies(self, point: np.ndarray, image: np.ndarray) -> np.ndarray:
         """(1,) energy Re<Y, L Y>."""
-        return self.held.sum(traces(self.multipliers(point, image)).sum(keepdims=True, dtype=float))
+        return self.reductions.sum(traces(self.multipliers(point, image)).sum(keepdims=True, dtype=float))
 
     def gradient(self, point: np.ndarray, image: np.ndarray) -> np.ndarray:
         """Half the energy's gradient: the part of the image that is tangent."""
@@ -85,7 +85,7 @@ class Lifted:
 
     def inner(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(1,) inner product of tangent vectors."""
-        return self.held.sum(inner_products(first.reshape(-1, 1), second.reshape(-1, 1)).astype(float))
+        return self.reductions.sum(inner_products(first.reshape(-1, 1), second.reshape(-1, 1)).astype(float))
 
     @staticmethod
     def add(vector: np.ndarray, shares: np.ndarray, other: np.ndarray) -> None:
@@ -101,17 +101,17 @@ class _Fields:
 
     block: int
     _: KW_ONLY
-    held: Reductions = HERE
+    reductions: Reductions = HERE
     memory = 4
 
     def energies(self, point: np.ndarray, image: np.ndarray) -> np.ndarray:
         """(k,) energies Re<x, L x>."""
         products = precise_inner_products(_real_columns(point), _real_columns(image))
-        return self.held.sum(products.reshape(-1, 2 if np.iscomplexobj(point) else 1).sum(axis=1))
+        return self.reductions.sum(products.reshape(-1, 2 if np.iscomplexobj(point) else 1).sum(axis=1))
 
     def inner(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(k,) inner products of tangent vectors."""
-        return self.held.sum(inner_products(first, second).astype(float))
+        return self.reductions.sum(inner_products(first, second).astype(float))
 
     @staticmethod
     def add(vector: np.ndarray, shares: np.ndarray, other: np.ndarray) -> None:
@@ -345,9 +345,9 @@ def gaussian(shape: tuple[int, ...], is_complex: bool, random: np.random.Generat
     return numbers + 1j * random.standard_normal(shape) if is_complex else numbers
 
 
-def principal(point: np.ndarray, held: Reductions = HERE) -> tuple[np.ndarray, np.ndarray]:
+def principal(point: np.ndarray, reductions: Reductions = HERE) -> tuple[np.ndarray, np.ndarray]:
     """Columns rotated onto the singular directions, which keeps Y Y^H, without empty ones; and singular values."""
-    squares, rotation = np.linalg.eigh(held.sum(point.conj().T @ point))
+    squares, rotation = np.linalg.eigh(reductions.sum(point.conj().T @ point))
     singular = np.sqrt(np.maximum(squares[::-1], 0))
     keep = singular > EMPTY * singular[0]
     return point @ rotation[:, ::-1][:, keep], singular[keep]

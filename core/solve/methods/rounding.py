@@ -74,12 +74,13 @@ class Tries:
     crossed: int
     rounds: int
 
-    def times(self, effort: float) -> "Tries":
+    def scaled(self, effort: float) -> "Tries":
+        """The same search with ``effort`` times as many fields, and as many rounds."""
         more = {name: round(effort * getattr(self, name)) for name in ("best", "drawn", "kept", "crossed")}
         return replace(self, **more)
 
 
-# On a problem without curl to remove; on the problem with less curl, and then on the problem itself.
+# For a search on the problem itself alone; for one on the problem with less curl, and the shorter one after it.
 ALONE = Tries(14, 5, 7, 20, 5)
 LESS_CURL, AFTER = Tries(12, 4, 7, 18, 4), Tries(5, 0, 7, 18, 2)
 
@@ -207,9 +208,10 @@ def continuation(
     less_curl: csr_matrix | None = None,
     metric_of_lifted: Metric | None = None,
 ) -> tuple[np.ndarray, bool]:
-    """Fields by seeded continuation and crossing, best first, and whether time ran out on the way.
+    """Fields of low energy by seeded continuation and crossing, best first, and whether time ran out.
 
-    On a problem with slightly less curl fewer defects block one another: the fields found there lead to less energy.
+    Given ``less_curl``, most of the search is made there, where fewer defects block one another; a shorter search on
+    the problem itself starts from the fields found.
 
     Raises :class:`OutOfTime` when there is no field yet.
 
@@ -219,18 +221,18 @@ def continuation(
     lifted : (N, r) solution of the relaxation, in principal columns
     samples : random projections tried
     density : energy per mass of the relaxation, positive
-    less_curl : matrix with less curl on the same rows, on which most of the search is made
-    metric_of_lifted : in which lifted fields descend on it
+    less_curl : matrix of the same problem with less curl
+    metric_of_lifted : metric of the lifted field's descent on that problem
     """
     search = _Search(stage, samples, density, random, monitor)
     try:
         if less_curl is None or metric_of_lifted is None:
             search.run(stage, lifted, ALONE, (0.4, 0.9))
         else:
-            twin, point = stage.turned(less_curl), lifted.astype(stage.matrix.dtype)
+            calmer, point = stage.turned(less_curl), lifted.astype(stage.matrix.dtype)
             limits = CURL_TOLERANCE, CURL_STEPS
-            point = descend(twin.matrix, twin.lifted, point, metric_of_lifted, *limits, monitor).point
-            search.run(twin, principal(point)[0], LESS_CURL, (0.4, 0.75))
+            point = descend(calmer.matrix, calmer.lifted, point, metric_of_lifted, *limits, monitor).point
+            search.run(calmer, principal(point)[0], LESS_CURL, (0.4, 0.75))
             search.run(stage, lifted, AFTER, (0.75, 0.9))
         if stage.flips is not None:
             search.knock_out(stage.flips, lifted)
@@ -255,7 +257,7 @@ class _Search:
     def __init__(
         self, stage: Stage, samples: int, density: float, random: np.random.Generator, monitor: Monitor
     ) -> None:
-        self._asked, self._samples, self._density = stage, samples, density
+        self._problem, self._samples, self._density = stage, samples, density
         self._random, self._monitor = random, monitor
         self.found = np.empty((stage.matrix.shape[0] * stage.width, 0), stage.matrix.dtype)
         self.metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
@@ -265,22 +267,24 @@ class _Search:
     def run(self, stage: Stage, lifted: np.ndarray, tries: Tries, fractions: tuple[float, float]) -> None:
         """Find fields of low energy on a stage, from projections of a lifted field and from the fields found before.
 
-        ``fractions`` are the parts of the whole work, for the monitor, that are done at the start and at the end.
+        All of them go through diffusion and a short descent. Then, in rounds, the best are kept, crossed in pairs, and
+        the crossings diffused and descended again, until the energy hardly falls. ``fractions`` are the parts of the
+        whole work, for the monitor, that are done before the first round and after the last.
         """
-        tries, monitor = tries.times(_effort(stage.node_count)), self._monitor
+        tries, monitor = tries.scaled(_effort(stage.node_count)), self._monitor
         directions = random_directions(stage.is_complex, lifted.shape[1], self._samples, self._random, stage.width)
         seeds = projections(stage, lifted, directions, tries.best, monitor)
         before, self.found, best = self.found, np.hstack([seeds[:, :1], self.found]), np.inf
         continued = self._diffuse_and_descend(
-            stage, np.hstack([seeds, self._draw_slowly(stage, lifted, directions, tries)])
+            stage, np.hstack([seeds, self._diffuse_random_projections(stage, lifted, directions, tries)])
         )
         if before.shape[1]:
             continued = np.hstack([self._descend(stage, before), continued])
-        self.found = seeds[:, :1]
+        self.found = seeds[:, :1]  # those found before are in ``continued``, descended
         for round_number in range(1 + tries.rounds):
             self.found = distinct_columns(stage, np.hstack([self.found, continued]))[:, : tries.kept]
             value = energies(stage, self.found[:, :1])[0]
-            monitor.found(float(energies(self._asked, self.found[:, :1])[0]), self.found[:, :1])
+            monitor.found(float(energies(self._problem, self.found[:, :1])[0]), self.found[:, :1])
             monitor.at("continuation", float(np.interp(1 + round_number, (0, 1 + tries.rounds), fractions)))
             settled = round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best
             if self.found.shape[1] == 1 or settled or round_number == tries.rounds:
@@ -290,18 +294,20 @@ class _Search:
             continued = self._diffuse_and_descend(stage, seeds, self._diffusion[:1])
 
     def knock_out(self, flips: Flips, lifted: np.ndarray) -> None:
-        """Find signs of less energy by crossing many projections of the lifted field."""
-        stage = self._asked
+        """Find signs of less energy by crossing many projections of the lifted field (:mod:`.signs`)."""
+        stage = self._problem
 
-        def seeds(most: int) -> np.ndarray:
+        def random_projections(most: int) -> np.ndarray:
             count = min(most, self._samples)
             directions = gaussian((lifted.shape[1], count), False, self._random)
             return projections(stage, lifted, directions, count, self._monitor)
 
-        found = knock_outs(flips, seeds, self.found, self._random, self._monitor)
+        found = knock_outs(flips, random_projections, self.found, self._random, self._monitor)
         self.found = distinct_columns(stage, found)
 
-    def _draw_slowly(self, stage: Stage, lifted: np.ndarray, directions: np.ndarray, tries: Tries) -> np.ndarray:
+    def _diffuse_random_projections(
+        self, stage: Stage, lifted: np.ndarray, directions: np.ndarray, tries: Tries
+    ) -> np.ndarray:
         """Random projections after diffusion with the longer times."""
         drawn = directions[:, directions.shape[1] - tries.drawn :]
         fields = projections(stage, lifted, drawn, tries.drawn, self._monitor) if tries.drawn else self.found[:, :0]
@@ -313,19 +319,19 @@ class _Search:
         """The better part of the seeds after diffusion, and some steps of descent."""
         diffusion = self._diffusion if diffusion is None else diffusion
 
-        def settle(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
+        def diffuse_batch(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
             return diffuse(stage, batch, diffusion, 1, batch_monitor)
 
-        settled = _in_batches(stage, settle, seeds, self._monitor)
+        settled = _in_batches(stage, diffuse_batch, seeds, self._monitor)
         return self._descend(stage, lowest(stage, settled, round(DESCENDING * seeds.shape[1])))
 
     def _descend(self, stage: Stage, columns: np.ndarray) -> np.ndarray:
         """Columns after a short descent each."""
 
-        def go_on(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
+        def polish_batch(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
             return polish(stage, batch, self.metric, batch_monitor, SHORT_STEPS)
 
-        return _in_batches(stage, go_on, columns, self._monitor)
+        return _in_batches(stage, polish_batch, columns, self._monitor)
 
 
 def _effort(size: int) -> float:

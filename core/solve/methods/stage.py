@@ -29,7 +29,7 @@ class Stage:
     ----------
     matrix : in single precision
     row_mass : (N,)
-    block, is_complex, is_circle, width, held : as in Piece
+    block, is_complex, is_circle, width, reductions : as in Piece
     lifted, candidates : the manifolds of a lifted field, and of fields in columns
     stiffness : mean diagonal of the matrix per mass
     """
@@ -40,13 +40,13 @@ class Stage:
         self._smallest_shift = SMALLEST_SHIFT * piece.stiffness
         self.matrix: SharedRows = hierarchy.rows(depth)
         self.row_mass: np.ndarray = self._level.row_mass
-        self.held = piece.held
+        self.reductions = piece.reductions
         self.stiffness = float(
-            self.held.sum(self._level.matrix.diagonal().real.sum()) / self.held.sum(self.row_mass.sum())
+            self.reductions.sum(self._level.matrix.diagonal().real.sum()) / self.reductions.sum(self.row_mass.sum())
         )
         self.block, self.is_complex, self.is_circle = piece.block, piece.is_complex, piece.is_circle
         self.width = piece.width
-        self.lifted = Lifted(piece.block, piece.width, piece.held)
+        self.lifted = Lifted(piece.block, piece.width, piece.reductions)
         self.candidates = fields_of(piece)
 
     @cached_property
@@ -56,7 +56,7 @@ class Stage:
 
     @property
     def node_count(self) -> int:
-        return int(self.held.sum(len(self.row_mass))) // self.block
+        return int(self.reductions.sum(len(self.row_mass))) // self.block
 
     def turned(self, matrix: csr_matrix) -> "Stage":
         """The stage with another matrix, whose entries have the same sizes, and the same metrics."""
@@ -71,7 +71,7 @@ class Stage:
     def density(self, point: np.ndarray) -> float:
         """Energy per mass of a lifted field."""
         energy = float(self.lifted.energies(point, self.matrix @ point)[0])
-        return max(energy, 0.0) * self.block / (self.width * float(self.held.sum(self.row_mass.sum())))
+        return max(energy, 0.0) * self.block / (self.width * float(self.reductions.sum(self.row_mass.sum())))
 
     def shift_at(self, point: np.ndarray) -> float:
         """Shift of the metric of lifted fields, too small to change it much."""
@@ -143,6 +143,6 @@ class Workspace:
 
     def __init__(self, piece: Piece, hierarchy: Hierarchy | None = None) -> None:
         self.piece = piece
-        self.matrix: SharedRows = SharedRows(piece.matrix) if piece.held.is_whole else piece.matrix
+        self.matrix: SharedRows = SharedRows(piece.matrix) if piece.reductions.is_whole else piece.matrix
         hierarchy = hierarchy or Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
         self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]

@@ -146,7 +146,7 @@ class _Search:
             self._metric = self._monitor.during(partial(stage.metric_at, self.point))
             if not self._needs_double:
                 descent = self._descend_by(stage.matrix, tolerance)
-                noise = rounding_noise(stage.matrix, stage.lifted.held)
+                noise = rounding_noise(stage.matrix, stage.lifted.reductions)
                 self._needs_double = not (tolerance * descent.values[0] >= noise or descent.out_of_time)
                 if self._needs_double:
                     self._memory.clear()
@@ -234,7 +234,7 @@ class _Search:
         directions = directions[:, : max(MAX_RANK - self.point.shape[1], 0)]
         if directions.shape[1] == 0:
             return
-        directions = directions / self._workspace.piece.held.max(np.abs(directions).max(axis=0))
+        directions = directions / self._workspace.piece.reductions.max(np.abs(directions).max(axis=0))
         best, best_value = self.point, np.inf
         for length in NEW_LENGTHS:
             trial = lifted.normalize(np.hstack([self.point, length * directions]))
@@ -246,7 +246,7 @@ class _Search:
 
     def result(self) -> Relaxation:
         """The :class:`Relaxation` at the point, in principal columns."""
-        point, singular_values = principal(self.point, self._workspace.piece.held)
+        point, singular_values = principal(self.point, self._workspace.piece.reductions)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
         return Relaxation(
             point,

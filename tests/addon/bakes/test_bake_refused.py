@@ -11,7 +11,8 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.bakes import stage as bake_stage
+from synch_fields.synch_addon.bakes import job as bake_job
+from synch_fields.synch_addon.bakes.scene_copy import SceneCopy
 from synch_fields.synch_addon.blender import attributes
 from synch_fields.synch_addon.nodes.materials import pattern_material
 
@@ -153,7 +154,7 @@ def test_failing_bake_changes_nothing(failing, tmp_path, monkeypatch):
     if failing == "save":
         monkeypatch.setattr("synch_fields.synch_addon.bakes.images.save", fail)
     else:
-        monkeypatch.setattr(bake_stage.Stage, failing, fail)
+        monkeypatch.setattr(SceneCopy, failing, fail)
     with pytest.raises(MemoryError):
         api.bake(obj, folder=str(tmp_path), unwrap=True, material=True, **SETTINGS)
     assert calls and everything() == before and not list(tmp_path.iterdir())
@@ -188,7 +189,7 @@ def test_refused_bake_is_one_line_and_does_nothing(name, tmp_path, monkeypatch):
     obj = furnished()
     if name == "empty map":
         obj.data.uv_layers["First"].uv.foreach_set("vector", np.zeros(2 * len(obj.data.loops), np.float32))
-    monkeypatch.setattr(bake_stage, "make_stage", lambda *_, **__: pytest.fail("work has begun"))
+    monkeypatch.setattr(bake_job, "make_scene_copy", lambda *_, **__: pytest.fail("work has begun"))
     settings, reason = ERRORS[name]
     before = everything()
     with pytest.raises(SettingError) as refusal:

@@ -109,7 +109,7 @@ def test_a_child_that_says_nonsense_gives_one_line(own_child, monkeypatch, words
     loop, operator = begun(Stripes())
     assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
     (report,) = operator.reports
-    assert report[0] == {"ERROR"} and ("status 3" in report[1] or "what is no message" in report[1])
+    assert report[0] == {"ERROR"} and ("status 3" in report[1] or "a broken message" in report[1])
 
 
 def test_a_child_ends_when_its_parent_is_gone():

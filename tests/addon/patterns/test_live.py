@@ -144,7 +144,7 @@ def test_the_newest_value_wins_and_the_steps_between_are_not_kept(monkeypatch):
     while followed():
         pass
     assert len(asked) == 2 and memory.state(obj).report.settings.spacing == pytest.approx(0.4 * 1.01**4)
-    assert len(memory._fields.get(obj)._unmade) == 2
+    assert len(memory._fields.get(obj)._compact) == 2
     # Of what both have, nothing was told twice.
     assert len(b"".join(pack_parts(("solve", asked[1].request), asked[0].request.kept))) < 0.5 * len(
         b"".join(pack_parts(("solve", asked[1].request)))
@@ -217,7 +217,7 @@ def test_after_a_rest_a_better_pattern_fades_in_and_is_proved(monkeypatch, comma
     for step in range(1, 9):
         obj.synch.spacing = 0.2 * 1.01**step
         assert followed() == 1
-    shown, count = memory.state(obj), len(memory._fields.get(obj)._unmade)
+    shown, count = memory.state(obj), len(memory._fields.get(obj)._compact)
     monkeypatch.setattr(live_module, "_REST", 0.0)
     monkeypatch.setattr(live_module, "_FADE", 1.0)
     energies = settled()
@@ -227,7 +227,7 @@ def test_after_a_rest_a_better_pattern_fades_in_and_is_proved(monkeypatch, comma
     assert after.plain["energy"] == energies[-1] == min(energies) < 0.9 * shown.plain["energy"]
     assert after.plain["energy"] < 1.15 * anew.pattern.energy and after.plain["certificate"] == "proved"
     np.testing.assert_allclose(attribute(obj, "synch_direction"), shown.field.vectors, atol=1e-5)
-    assert len(memory._fields.get(obj)._unmade) == count and followed() == 0
+    assert len(memory._fields.get(obj)._compact) == count and followed() == 0
 
 
 def test_directions_settle_where_guides_have_turned_them(monkeypatch):

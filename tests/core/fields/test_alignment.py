@@ -28,7 +28,7 @@ def calm(mesh, rows=()):
 @pytest.mark.parametrize("turn", [0.0, 0.3, 0.7])
 def test_crosses_on_a_ring_follow_its_circles_at_the_same_energy(turn):
     field = calm(torus())
-    field = field.showing(np.exp(4j * (field.angles + turn)))
+    field = field.with_phases(np.exp(4j * (field.angles + turn)))
     after = along_curvature(field)
     assert off_axes(after).max() < 0.02
     assert after.energy == pytest.approx(field.energy, rel=1e-12)
@@ -39,7 +39,7 @@ def test_each_piece_turns_by_itself():
     mesh = together(torus(), torus())
     field = calm(mesh)
     turns = np.where(mesh.pieces == 0, 0.2, 0.5)
-    assert off_axes(along_curvature(field.showing(np.exp(4j * (field.angles + turns))))).max() < 0.02
+    assert off_axes(along_curvature(field.with_phases(np.exp(4j * (field.angles + turns))))).max() < 0.02
 
 
 def test_directions_that_a_line_holds_stay():

@@ -103,7 +103,7 @@ def test_filaments_that_go_around_a_periodic_box_say_how_often(smoothing):
     x, y, z = np.array(x), np.array(y), np.array(z)
     quiet = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0)
     # Zeros where sin(y - x) = 0 and sin(z + 0.3) = 0: four lines along (1, 1, 0), two of them back.
-    shown = quiet.showing(_unit(np.sin(y - x - 0.2) + 1j * np.sin(z + 0.3)))
+    shown = quiet.with_phases(_unit(np.sin(y - x - 0.2) + 1j * np.sin(z + 0.3)))
     lines = filaments(shown, smoothing)
     assert all(line.is_closed for line in lines)
     assert sorted(line.winding for line in lines) == [(-1, -1, 0)] * 2 + [(1, 1, 0)] * 2
@@ -167,7 +167,7 @@ def test_a_filament_down_an_axis_counts_as_one_up_it():
 def test_filaments_cancel_around_every_cell_for_any_phases():
     found = found_ring(ring_curve())
     random = np.random.default_rng(3)
-    noisy = found.showing(np.exp(1j * random.uniform(-np.pi, np.pi, BOX.node_count)))
+    noisy = found.with_phases(np.exp(1j * random.uniform(-np.pi, np.pi, BOX.node_count)))
     around = noisy.face_numbers[BOX.cell_faces] * BOX.outward
     assert noisy.face_numbers.any() and not around.sum(axis=1).any()
     lines = filaments(noisy)

@@ -95,7 +95,7 @@ def test_flattened_quads_are_measured_by_the_spacing_that_was_asked_for():
     plain = evenness(pattern.edge_phases, np.full((mesh.vertex_count, 2), 2 * np.pi / 0.5))
     np.testing.assert_allclose(pattern.evenness.spacings, plain.spacings, rtol=1e-12)
     assert np.ptp(field.scale) > 0.2
-    of_scaled = evenness(pattern.edge_phases, pattern.growth.rates).figures["spacing"]
+    of_scaled = evenness(pattern.edge_phases, pattern.one_form.rates).figures["spacing"]
     assert np.ptp(of_scaled) < 0.9 * np.ptp(plain.figures["spacing"])
 
 

@@ -10,7 +10,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, solve_growth
+from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, solve_one_form
 from synch_fields.core.fields.limits import ENOUGH, Limits, solve_within
 from synch_fields.core.printing.heights import below
 
@@ -43,7 +43,7 @@ def test_between_two_groups_there_are_as_many_layers_as_the_limit_asks_for(large
 @pytest.mark.parametrize(("outer", "limits"), [(1.6, Limits(0.1, 0.2)), (2.2, Limits(0.07, 0.21))])
 def test_a_bar_that_fans_out_within_its_limits_has_no_layer_that_ends(outer, limits):
     growth, groups = bar(outer)
-    asked = solve_growth(growth, groups)
+    asked = solve_one_form(growth, groups)
     assert limits.outside_share(asked) > 0.005 and asked.face_numbers.any()
     pattern, _ = solve_within(growth, limits, groups)
     assert limits.outside_share(pattern) == 0 and not pattern.face_numbers.any()
@@ -64,7 +64,7 @@ def test_a_bar_that_fans_out_within_its_limits_has_no_layer_that_ends(outer, lim
 @pytest.mark.parametrize(("limits", "share"), [(Limits(0.07, 0.21), 0.6), (Limits(largest=0.16), 1.0)])
 def test_no_more_is_outside_than_without_limits(limits, share):
     growth, groups = bar(3)
-    asked = limits.outside_share(solve_growth(growth, groups))
+    asked = limits.outside_share(solve_one_form(growth, groups))
     pattern, used = solve_within(growth, limits, groups)
     assert asked > ENOUGH and limits.outside_share(pattern) <= share * asked
     spacings = 2 * np.pi / np.linalg.norm(used.rates, axis=1)
@@ -74,7 +74,7 @@ def test_no_more_is_outside_than_without_limits(limits, share):
 def test_without_limits_nothing_changes():
     growth, groups = bar(2.2)
     pattern, used = solve_within(growth, Limits(), groups)
-    np.testing.assert_array_equal(pattern.solution.phases, solve_growth(growth, groups).solution.phases)
+    np.testing.assert_array_equal(pattern.solution.phases, solve_one_form(growth, groups).solution.phases)
     assert used is growth and Limits().outside_share(pattern) == 0
     # Nor where they are kept as it is.
     mesh = block((3, 3, 6), jitter=0.2)
@@ -91,7 +91,7 @@ def test_the_share_of_branches_is_not_exceeded():
 
 def test_where_layers_end_counts_as_outside():
     growth, groups = bar(3)
-    pattern = solve_growth(growth, groups)
+    pattern = solve_one_form(growth, groups)
     punctured = pattern.mesh.volumes[pattern.tet_phases.punctured].sum() / pattern.mesh.volumes.sum()
     assert Limits(1e-6, 10.0).outside_share(pattern) == pytest.approx(punctured) and punctured > 0
 

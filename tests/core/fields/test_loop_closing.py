@@ -56,7 +56,7 @@ def added_up(mesh, changes, matchings, walk):
 
 def condition(pattern, walk):
     """The condition that a walk closes across itself, and its asked sums."""
-    mesh, growth = pattern.mesh, pattern.growth
+    mesh, growth = pattern.mesh, pattern.one_form
     reached = np.abs(added_up(mesh, pattern.edge_phases.changes, growth.matchings, walk)) / np.pi
     np.testing.assert_allclose(reached, np.rint(reached), atol=1e-6)
     aside, steps = np.sort(np.rint(reached).astype(int))
@@ -69,7 +69,7 @@ def condition(pattern, walk):
 def test_rows_sum_the_changes_of_a_walk(pattern, walk):
     made, asked, _, aside = condition(pattern, walk)
     assert aside >= 1, "the lines spiral"
-    assert abs(made.row @ pattern.growth.changes.ravel()) == pytest.approx(abs(asked))
+    assert abs(made.row @ pattern.one_form.changes.ravel()) == pytest.approx(abs(asked))
 
 
 def test_walks_that_pass_other_quads_are_refused(pattern):
@@ -81,7 +81,7 @@ def test_walks_that_pass_other_quads_are_refused(pattern):
 
 def test_corrections_are_the_least_changes_without_curl_that_close_the_walks(pattern):
     """Against the null space of all sums around faces, and a dense least squares there."""
-    growth, closing = pattern.growth, LoopClosing(pattern)
+    growth, closing = pattern.one_form, LoopClosing(pattern)
     conditions = [condition(pattern, walk)[0] for walk in (TUBE, HOLE)]
     correction, cost = closing.correction(conditions)
     circulation, _ = surface_circulation(growth.mesh, growth.matchings, 2)
@@ -103,9 +103,11 @@ def test_changed_patterns_close_and_their_problem_is_the_one_posed_anew(pattern)
     correction, _ = LoopClosing(pattern).correction(conditions)
     changed = change_pattern(pattern, correction)
     assert changed.energy == pytest.approx(changed.problem.energy(changed.phases))
-    np.testing.assert_allclose(changed.problem.connection.transports, changed.growth.connection.transports, atol=1e-12)
+    np.testing.assert_allclose(
+        changed.problem.connection.transports, changed.one_form.connection.transports, atol=1e-12
+    )
     for walk in (TUBE, HOLE):
-        across = added_up(changed.mesh, changed.edge_phases.changes, changed.growth.matchings, walk)
+        across = added_up(changed.mesh, changed.edge_phases.changes, changed.one_form.matchings, walk)
         assert np.abs(across).min() == pytest.approx(0, abs=1e-6)
     assert not changed.dislocations
 
@@ -163,7 +165,7 @@ def mirror_of(mesh, axis):
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_mirror_leaves_the_changes_of_a_symmetric_pattern_and_turns_others_round(axis):
     mesh = starred_torus()
-    symmetric = slanting(mesh, degrees=0.0).growth
+    symmetric = slanting(mesh, degrees=0.0).one_form
     image = _ChangeMirror(symmetric, mirror_of(mesh, axis))
     np.testing.assert_allclose(image.reflect(symmetric.changes.ravel()), symmetric.changes.ravel(), atol=1e-9)
     other = np.random.default_rng(axis).normal(size=symmetric.changes.size)
@@ -177,11 +179,11 @@ def test_with_mirrors_changes_are_symmetric_and_without_curl(axes):
     mirrors = [mirror_of(mesh, axis) for axis in axes]
     pattern = slanting(mesh, degrees=0.0)
     closing = LoopClosing(pattern, mirrors)
-    row = np.zeros(pattern.growth.changes.size)
+    row = np.zeros(pattern.one_form.changes.size)
     row[:40] = 1
     change = closing._project(row)
     for mirror in mirrors:
-        np.testing.assert_allclose(_ChangeMirror(pattern.growth, mirror).reflect(change), change, atol=1e-7)
-    circulation, _ = surface_circulation(mesh, pattern.growth.matchings, 2)
+        np.testing.assert_allclose(_ChangeMirror(pattern.one_form, mirror).reflect(change), change, atol=1e-7)
+    circulation, _ = surface_circulation(mesh, pattern.one_form.matchings, 2)
     np.testing.assert_allclose(circulation.matrix @ change, 0, atol=1e-7)
     assert np.abs(change).max() > 1e-3

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.mirror import Seam
-from synch_fields.core.geometry.manifold_repair import carrier, find_seam_ends
+from synch_fields.core.geometry.manifold_repair import find_seam_ends, repair_mesh
 from synch_fields.core.geometry.mesh_input import MeshInput
 
 from ...corpus.makers import klein_bottle, moebius_strip, projective_plane
@@ -19,7 +19,7 @@ SURFACES = {"moebius strip": lambda: moebius_strip(60, 8), "klein bottle": lambd
 @pytest.fixture(params=SURFACES)
 def surface(request):
     """The surface, open at a seam, and the Seam."""
-    found = carrier(*polygon_mesh(*SURFACES[request.param]()))
+    found = repair_mesh(*polygon_mesh(*SURFACES[request.param]()))
     return found, Seam.of(found.mesh, find_seam_ends(found.mesh, found.across))
 
 
@@ -45,7 +45,7 @@ def test_directions_are_the_same_on_both_sides(surface, symmetry):
 @pytest.mark.parametrize(("build", "characteristic"), [(klein_bottle, 0), (projective_plane, 1)])
 def test_sum_of_indices_is_the_euler_characteristic(build, characteristic, symmetry):
     mesh, polygons = polygon_mesh(*build())
-    found = carrier(mesh, polygons)
+    found = repair_mesh(mesh, polygons)
     assert mesh.euler_characteristic == characteristic
     given = MeshInput(
         *(found.mesh, found.polygons, np.eye(3), found.mesh, found.source, found.findings, found.own),
@@ -82,7 +82,7 @@ def twice_around(around, across):
 
 @pytest.mark.parametrize("symmetry", [1, 2])
 def test_directions_have_half_the_energy_of_those_on_the_torus_over_a_klein_bottle(symmetry):
-    found = carrier(*polygon_mesh(*klein_bottle(48, 24)))
+    found = repair_mesh(*polygon_mesh(*klein_bottle(48, 24)))
     seam = Seam.of(found.mesh, find_seam_ends(found.mesh, found.across))
     bottle = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(seam,)))
     cover = twice_around(48, 24)

@@ -299,7 +299,7 @@ def test_a_pair_of_dislocations_is_taken_out():
     z = mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1]
     turns = (z - 0.31 - 0.42j) / (z - 0.67 - 0.58j)
     exact[:, 0] *= turns / np.abs(turns)
-    torn = pattern.showing(exact.ravel())
+    torn = pattern.with_phases(exact.ravel())
     assert len(torn.dislocations) == 2
     whole = untangle(torn)
     assert not whole.dislocations and whole.energy < 1e-3 * torn.energy

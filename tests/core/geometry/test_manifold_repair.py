@@ -12,7 +12,7 @@ from synch_fields.core.errors import MeshError
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import check_mesh
-from synch_fields.core.geometry.manifold_repair import KINDS, carrier, find_seam_ends
+from synch_fields.core.geometry.manifold_repair import KINDS, find_seam_ends, repair_mesh
 from synch_fields.core.interpolate import evaluate, face_phases
 
 from ...corpus.makers import (
@@ -30,11 +30,11 @@ from ..meshes import honeycomb_sphere, icosphere, mixed_torus, polygon_mesh, qua
 
 
 def carried(points, faces):
-    """The carrier of a mesh that is refused, which is a surface and holds what it was made of."""
+    """The repaired copy of a mesh that is refused, which is a surface and holds what it was made of."""
     mesh, polygons = polygon_mesh(np.asarray(points, float), faces)
     with pytest.raises(MeshError):
         check_mesh(mesh, polygons.triangle_faces)
-    found = carrier(mesh, polygons)
+    found = repair_mesh(mesh, polygons)
     check_mesh(found.mesh, found.polygons.triangle_faces)
     np.testing.assert_array_equal(found.polygons.triangles, found.mesh.triangles)
     np.testing.assert_array_equal(found.source[: len(points)], np.arange(len(points)))
@@ -157,7 +157,7 @@ def test_turned_and_doubled_faces_show_what_clean_ones_do(build, symmetry):
     count = len(polygons.starts)
     doubled = np.arange(count)[1::2]
     turned, drawn = polygon_mesh(mesh.vertices, turned_about(polygons, np.arange(count) % 5 < 2, doubled))
-    found = carrier(turned, drawn)
+    found = repair_mesh(turned, drawn)
     triangles = [np.unique(np.sort(each.triangles), axis=0) for each in (found.mesh, mesh)]
     np.testing.assert_array_equal(*triangles)
     growth = TargetOneForm.of(mesh, direction_field(mesh, symmetry), 0.3)
@@ -311,7 +311,7 @@ def test_overlapping_faces_come_off():
 def test_nothing_is_left_of_faces_without_area():
     mesh, polygons = polygon_mesh(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(MeshError, match="face 0 has no area"):
-        carrier(mesh, polygons)
+        repair_mesh(mesh, polygons)
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.geometry.manifold_repair import carrier
+from synch_fields.core.geometry.manifold_repair import repair_mesh
 from synch_fields.core.geometry.polygons import Polygons
 
 from ..meshes import polygon_mesh
@@ -31,7 +31,7 @@ def split(polygons, face, there=()):
 
 def solved(faces):
     mesh, polygons = polygon_mesh(POINTS, faces)
-    return polygons, carrier(mesh, polygons).polygons
+    return polygons, repair_mesh(mesh, polygons).polygons
 
 
 @pytest.mark.parametrize("double", [[0, 1, 2, 3, 4, 5], [5, 4, 3, 2, 1, 0], [2, 3, 4, 5, 0, 1]])

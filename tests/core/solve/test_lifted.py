@@ -45,14 +45,14 @@ def test_phases_are_the_projection_of_the_lifted_rows(kind):
 def test_without_nodes_it_is_svd_rounding(kind):
     pattern, field = solved(kind)
     _, _, axes = np.linalg.svd(field.lifted, full_matrices=False)
-    by_svd = pattern.showing(field.phases(axes[0].conj()))
-    assert pattern.showing(field.phases(field.direction())).energy == pytest.approx(by_svd.energy, rel=1e-9)
+    by_svd = pattern.with_phases(field.phases(axes[0].conj()))
+    assert pattern.with_phases(field.phases(field.direction())).energy == pytest.approx(by_svd.energy, rel=1e-9)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_variations_lie_above_the_bound_and_differ(kind):
     pattern, field = solved(kind)
-    energies = [pattern.showing(field.phases(field.random_direction(seed))).energy for seed in range(4)]
+    energies = [pattern.with_phases(field.phases(field.random_direction(seed))).energy for seed in range(4)]
     assert min(energies) >= pattern.solution.lower_bound and len(set(np.round(energies, 6))) == 4
     np.testing.assert_array_equal(field.phases(field.random_direction(1)), field.phases(field.random_direction(1)))
 
@@ -103,14 +103,14 @@ def test_fixed_phases_stay_and_cannot_be_places():
     with pytest.raises(SettingError, match=f"node {rim[0]} is fixed"):
         field.direction([rim[0]])
     inside = np.flatnonzero(~mesh.boundary_vertices)[40]
-    assert np.isfinite(pattern.showing(field.phases(field.direction([inside]))).energy)
+    assert np.isfinite(pattern.with_phases(field.phases(field.direction([inside]))).energy)
 
 
 def test_every_piece_follows():
     mesh = together(icosphere(2), TriangleMesh(icosphere(2).vertices + [4, 0, 0], icosphere(2).triangles))
     pattern, field = solved("vector", mesh)
     assert len(pattern.problem.pieces) == 2
-    energies = [pattern.showing(field.phases(field.random_direction(seed))).energy for seed in range(3)]
+    energies = [pattern.with_phases(field.phases(field.random_direction(seed))).energy for seed in range(3)]
     assert np.isfinite(energies).all() and min(energies) >= pattern.solution.lower_bound
 
 
@@ -127,7 +127,7 @@ def test_variations_of_a_pattern():
     energies = [variation(pattern, number).energy for number in range(ready + 3)]
     assert energies[0] == pattern.solution.energy and energies[:ready] == sorted(energies[:ready])
     assert len(set(energies)) == ready + 3
-    projected = pattern.showing(field.phases(field.random_direction(ready + 1)))
+    projected = pattern.with_phases(field.phases(field.random_direction(ready + 1)))
     assert variation(pattern, ready + 1).energy < projected.energy
     np.testing.assert_array_equal(variation(pattern, ready + 1).phases, variation(pattern, ready + 1).phases)
 

@@ -56,7 +56,7 @@ def algebra(part, connection, order):
     piece, whole, weight = piece_of(part, comm)
     factor = SynchronizationProblem(connection).factor[:, order] / np.sqrt(weight)
     dense = (factor.conj().T @ factor).toarray()
-    hierarchy = SpreadHierarchy.of(whole, piece.row_mass, piece.held)
+    hierarchy = SpreadHierarchy.of(whole, piece.row_mass, piece.reductions)
     diagonal = -np.random.default_rng(comm.rank).uniform(0, 0.1, part.count) * piece.matrix.diagonal().real
     lowered = hierarchy.lowered(diagonal)
     less = dense - np.diag(np.concatenate(comm.allgather(diagonal)))

@@ -162,7 +162,7 @@ def test_stubs_are_left_out_and_counted():
     phases = np.ones(grid.node_count, complex)
     phases[grid.numbers[5, 5, 5]] = -1
     phases[grid.numbers[6, 5, 5]] = np.exp(2.1j)
-    found = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0, Options(method="spectral")).showing(phases)
+    found = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0, Options(method="spectral")).with_phases(phases)
     turned = replace(found, integrals=np.random.default_rng(0).uniform(-0.3, 0.3, len(grid.edges)))
     every, shown = filaments(turned), showing(turned, None, FlowSettings(smoothing=0))
     small = [line for line in every if np.ptp(line.whole, axis=0).max() < 2]

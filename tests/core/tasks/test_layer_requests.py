@@ -37,7 +37,7 @@ from synch_fields.core.memory import Room
 from synch_fields.core.printing.flush import far_share
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
-from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
+from synch_fields.core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 
 from ..layered_solids import block
 from ..memory_peak import numbers_of_child
@@ -102,9 +102,9 @@ def test_groups_lie_on_the_levels_that_fit(divisions):
     z = surface.mesh.vertices[:, 2]
     areas = [Area(name, np.flatnonzero((z[surface.mesh.triangles] == level).all(axis=1)))
              for name, level in (("the floor", z.min()), ("the top", z.max()))]  # fmt: skip
-    asked = tuple(AskedArea(area, np.pi) for area in areas)
+    asked = tuple(FlushArea(area, np.pi) for area in areas)
     lengths = Lengths.of(surface.distance, 0.04, 0.1 if divisions == 10 else 0.05, divisions=divisions)
-    result = replace(request_in(surface), lengths=lengths, asked=asked).solve()
+    result = replace(request_in(surface), lengths=lengths, flush_areas=asked).solve()
     heights = [places.mean() for places in heights_of(result.surfaces)]
     np.testing.assert_allclose(heights, z.min() + 0.04 * (np.arange(25) + 0.5), atol=1e-6)
     assert result.pattern.solution.energy < 1e-12
@@ -135,7 +135,7 @@ def test_a_copy_from_a_pickle_solves_to_the_same_bits():
     surface = closed(cube(2))
     areas = [flat_area(surface, height, f"at {height}") for height in (0, 1)]
     guide = SolidGuide("harmonic", partial(between_areas, *areas))
-    request = request_in(surface, guide=guide, asked=(AskedArea(areas[0], 0.0), AskedArea(areas[1], None)))
+    request = request_in(surface, guide=guide, flush_areas=(FlushArea(areas[0], 0.0), FlushArea(areas[1], None)))
     results = [request.solve(), pickle.loads(pickle.dumps(request)).solve()]
     ours, theirs = ([r.solid.vertices, r.pattern.solution.phases, r.surfaces.vertices, r.phases.edge_phases.changes]
                     for r in results)  # fmt: skip
@@ -238,10 +238,10 @@ def test_coarse_solids_are_told_about():
     surface = closed(cube(5))
     middle = (np.abs(surface.mesh.vertices[:, :2] - 0.5) < 0.31).all(axis=1) & (surface.mesh.vertices[:, 2] == 1)
     pad = Area.of_members(surface.given, middle, "the pad")
-    request = request_in(surface, 0.3, 0.13, asked=(AskedArea(pad, 0.0),))
+    request = request_in(surface, 0.3, 0.13, flush_areas=(FlushArea(pad, 0.0),))
     (line,) = request.solve().warnings
     assert line.startswith("the solid's triangles cover 9") and "% of the pad" in line and "size of about" in line
-    (line,) = replace(request, asked=(), lengths=Lengths(0.1, 0.13)).solve().warnings
+    (line,) = replace(request, flush_areas=(), lengths=Lengths(0.1, 0.13)).solve().warnings
     assert line.startswith("the spacing is finer than the solid can carry on ")
     rod = flattened(1, 0.1, 0.1)
     rod = TriangleMesh(rod.vertices @ Rotation.from_rotvec([0.8, 0.2, 0.1]).as_matrix().T, rod.triangles)
@@ -253,7 +253,7 @@ def test_how_flush_layers_are_is_told():
     """A layer on both ends of a block, moved by less and by more than a twentieth of the spacing, and tilted."""
     surface = closed(cube(4))
     floor, lid = (flat_area(surface, height, name) for height, name in ((0, "floor"), (1, "lid")))
-    request = request_in(surface, 0.22, 0.1, asked=(AskedArea(floor, 0.0), AskedArea(lid, 0.0)))
+    request = request_in(surface, 0.22, 0.1, flush_areas=(FlushArea(floor, 0.0), FlushArea(lid, 0.0)))
     result = request.solve()
     assert result.far == {"floor": 0, "lid": 0} and not any("farther than" in line for line in result.warnings)
     mesh = surface.mesh
@@ -264,7 +264,7 @@ def test_how_flush_layers_are_is_told():
     x = result.surfaces.vertices[:, 0] - 0.5
     tilted = replace(result.surfaces, vertices=result.surfaces.vertices + np.outer(x, [0, 0, 0.05]))
     assert far_share(mesh, floor.triangles, tilted, 0.22) == pytest.approx(1 - 2 * 0.05 * 0.22 / 0.05, abs=0.03)
-    held = replace(request, asked=(AskedArea(floor, 0.0),)).solve()
+    held = replace(request, flush_areas=(FlushArea(floor, 0.0),)).solve()
     assert held.far == {"floor": 0}
     assert far_share(mesh, lid.triangles, held.surfaces, 0.22) == 1  # more than half a spacing above the last one
 

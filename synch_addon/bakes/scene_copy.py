@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where baking happens: a scene of its own with a copy of the object, both gone afterwards.
+"""A temporary scene with a copy of the object, in which Cycles bakes; :meth:`SceneCopy.bake` fills the image.
 
-Nothing of the user's is touched, so that nothing has to be put back: whether a bake ends well, fails or is interrupted,
-the object keeps its materials, image nodes, UV maps and visibility, and its scene keeps its settings.
+The object itself keeps its materials, image nodes, UV maps and visibility, and its scene its settings, even if a bake
+fails or is interrupted.
 """
 
 from contextlib import contextmanager
@@ -16,11 +16,11 @@ from ..blender.pattern_surface import surface_modifier, surface_of
 from ..blender.transaction import only_for_now
 from ..blender.translations import operator_error
 
-# Bends from which Smart UV Project makes a seam, in radians: its own default.
+# Angle from which Smart UV Project makes a seam, radians: Blender's default.
 _SEAM_ANGLE = 1.1519173
 
 
-class Stage:
+class SceneCopy:
     """A scene with a copy of an object, ready to bake it.
 
     Attributes
@@ -69,7 +69,7 @@ class Stage:
         return values.reshape(size, size, 4)
 
     def use_map(self, name, coordinates):
-        """Bake over this UV map from now on, made where it is missing.
+        """Bake over the UV map of this name from now on; it is made if it is missing.
 
         Blender takes the tangents of normals from the active map, whatever map it bakes over.
         """
@@ -79,7 +79,7 @@ class Stage:
         layers.active = layers[name]
 
     def unwrapped(self, margin):
-        """(c, 2) coordinates of the faces' corners by Smart UV Project, islands apart by a share of the map."""
+        """(c, 2) UV coordinates of the corners by Smart UV Project; ``margin`` between islands, a share of the map."""
         layer = self.obj.data.uv_layers.new(name="Synch Bake", do_init=False)
         layer.active = True
         with self._context():
@@ -108,15 +108,15 @@ class Stage:
 
 
 @contextmanager
-def make_stage(obj, modifiers=True):
-    """A :class:`Stage` for a copy of an object in object mode, with or without its modifiers."""
+def make_scene_copy(obj, modifiers=True):
+    """A :class:`SceneCopy` for a copy of an object in object mode, with or without its modifiers."""
     with only_for_now():
         scene = bpy.data.scenes.new("Synch Bake")
         scene.frame_set(bpy.context.scene.frame_current, subframe=bpy.context.scene.frame_subframe)
         copy = obj.copy()
         copy.data = surface_of(obj).data.copy()
         bound = surface_modifier(copy)
-        if bound is not None:  # its mesh stands for all that comes before
+        if bound is not None:  # its mesh replaces the result of the modifiers before it
             for modifier in copy.modifiers[: copy.modifiers.find(bound.name) + 1]:
                 copy.modifiers.remove(modifier)
         copy.hide_render = copy.hide_viewport = copy.hide_select = False
@@ -130,7 +130,7 @@ def make_stage(obj, modifiers=True):
         scene.render.engine = "CYCLES"
         scene.cycles.device = "CPU"
         scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
-        yield Stage(copy, scene)
+        yield SceneCopy(copy, scene)
 
 
 def read_uv(layer):
