@@ -202,7 +202,7 @@ def _pose_directions(
     posed = mesh if wishes.corrects else mesh.posed
     turns = levi_civita(posed, symmetry)
     connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
-    fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
+    fixed, soft, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
     fixed = drop_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
     fixed = snap_targets(fixed, loops, LEAN * symmetry)
@@ -212,7 +212,7 @@ def _pose_directions(
         values, weights = blend_guides(guides, strengths, symmetry)
         weights[fixed.nodes] = 0
         nodes = np.flatnonzero(weights > 0)
-        drawn.append(Targets(nodes, values[nodes], weights[nodes]))
+        soft.append(Targets(nodes, values[nodes], weights[nodes]))
     known = correction = None
     if wishes.corrects:
         known = known_turns(connection, fixed, merged)
@@ -221,7 +221,7 @@ def _pose_directions(
     turns_of = partial(_curl_removing_turns, posed, symmetry, connection, fixed, merged, wishes.singularities)
     calmer = turns_of if wishes.singularities > 0 else None
     connection = add_self_edges(connection, loops)
-    problem = SynchronizationProblem(connection, posed.vertex_masses, merged, fixed, join_targets(drawn), calmer)
+    problem = SynchronizationProblem(connection, posed.vertex_masses, merged, fixed, join_targets(soft), calmer)
     return problem, known, correction
 
 
