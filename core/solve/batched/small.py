@@ -225,7 +225,7 @@ class _Search:
         return int(np.ceil(np.sqrt(size) if self._stack.is_complex else np.sqrt(2 * size))) + 1
 
     def descend_lifted(self, point: np.ndarray, values: np.ndarray, steps: int, tolerance: float) -> np.ndarray:
-        """(k, N, r) lifted fields after descent, preconditioned by the inverse of the matrix less most of the multipliers.
+        """(k, N, r) lifted fields after descent, preconditioned by the matrix less most of the multipliers.
 
         ``values`` are (k,) energies that are not far below those of the relaxation.
         """
