@@ -170,7 +170,7 @@ class DirectionField:
 
     @property
     def solver_matchings(self) -> np.ndarray | None:
-        """The matchings along the edges of :attr:`TriangleMesh.solver_mesh`; None if problems use the mesh's own edges."""
+        """The matchings along :attr:`TriangleMesh.solver_mesh`'s edges; None if problems use the mesh's own edges."""
         solver_mesh = self.mesh.solver_mesh
         own = self.correction is not None or solver_mesh is self.mesh
         return None if own else matchings(solver_mesh, self.angles, self.symmetry)
