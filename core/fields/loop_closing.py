@@ -7,9 +7,10 @@ without curl that meet conditions R c = 0 are
 
     c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
 
-where C sums changes around the faces, G has the inverse weights of the edges (:mod:`.curl_removal`), and the rows d of D are
-the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of the
-added changes, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its images.
+where C sums changes around the faces, G has the inverse weights of the edges (:mod:`.curl_removal`), and the rows d of
+D are the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares
+of the added changes, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its
+images.
 """
 
 from collections.abc import Sequence
