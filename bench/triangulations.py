@@ -110,15 +110,15 @@ def difference(what, first, second):
 
 def _energy_away(field, even):
     """Of the edges that are not near a singular point of the field or a corner of the even mesh."""
-    mesh, posed = field.mesh, field.mesh.posed
+    mesh, solver_mesh = field.mesh, field.mesh.solver_mesh
     curvatures = 2 * np.pi - np.bincount(even.triangles.ravel(), even.corner_angles.ravel(), even.vertex_count)
     faces = mesh.triangles[[defect.triangle for defect in field.disclinations]]
     places = [*even.vertices[np.abs(curvatures) > CORNER], *mesh.vertices[faces].mean(axis=1)]
-    away = np.ones(len(posed.edges), bool)
+    away = np.ones(len(solver_mesh.edges), bool)
     if places:
-        away = cKDTree(places).query(mesh.vertices[posed.edges].mean(axis=1))[0] > NEAR
-    transports = circle_transports(levi_civita(posed, field.symmetry))
-    connection = Connection(mesh.vertex_count, posed.edges[away], posed.weights[away], transports[away])
+        away = cKDTree(places).query(mesh.vertices[solver_mesh.edges].mean(axis=1))[0] > NEAR
+    transports = circle_transports(levi_civita(solver_mesh, field.symmetry))
+    connection = Connection(mesh.vertex_count, solver_mesh.edges[away], solver_mesh.weights[away], transports[away])
     return connection.energy(np.exp(1j * field.symmetry * field.angles))
 
 

@@ -80,7 +80,7 @@ class SynchronizationProblem:
     ----------
     mass : (n,) positive, by default ones
     fixed : Targets without weights
-    drawn : Targets with weights
+    drawn : soft targets: values that nodes are drawn to, with weights
     calmer : computes (k,) radians that turn the first k transports to contradict each other as little as possible.
         Circle only.
     fibre : values of the nodes where transports are d x d matrices

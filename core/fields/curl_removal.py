@@ -120,13 +120,13 @@ def remove_holonomy(
     known : (c,) changes known from constraints less the target changes, nan where unknown; optional
     rough : whether an approximate one will do
     """
-    softness, correction = _softness(weights, known), np.zeros(len(weights))
+    inverse_weights, correction = _inverse_weights(weights, known), np.zeros(len(weights))
     if known is not None:
         correction = np.nan_to_num(known)
         holonomy = holonomy + circulation.matrix @ correction
-    flow = (diags_array(softness) @ circulation.matrix.T).tocsr()
+    flow = (diags_array(inverse_weights) @ circulation.matrix.T).tocsr()
     laplacian = (circulation.matrix @ flow).tocsr()
-    removed, follows = _removable(circulation, softness > 0, holonomy)
+    removed, follows = _removable(circulation, inverse_weights > 0, holonomy)
     found = _solve_rows(laplacian, removed, ~follows & (laplacian.diagonal() > 0), rough)
     return CurlRemoval(correction - flow @ found, found)
 
@@ -138,7 +138,7 @@ def varying_part(
 
     A are the areas; other arguments as of :func:`remove_holonomy`.
     """
-    flow = diags_array(_softness(weights, known)) @ circulation.matrix.T
+    flow = diags_array(_inverse_weights(weights, known)) @ circulation.matrix.T
     laplacian = (circulation.matrix @ flow).tocsr()
     shift = SHIFT * laplacian.diagonal().max(initial=0.0)
     smoothing = diags_array(circulation.areas + shift) + length**2 * laplacian
@@ -146,12 +146,12 @@ def varying_part(
     return part
 
 
-def _softness(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
+def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
     """(c,) how freely changes vary: not at all where they are known."""
-    softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
+    inverse_weights = 1 / np.maximum(weights, SMALLEST_WEIGHT)
     if known is not None:
-        softness[~np.isnan(known)] = 0
-    return softness
+        inverse_weights[~np.isnan(known)] = 0
+    return inverse_weights
 
 
 def removable_rows(circulation: Circulation, free: np.ndarray, laplacian: csr_matrix) -> np.ndarray:

@@ -170,10 +170,10 @@ class DirectionField:
 
     @property
     def solver_matchings(self) -> np.ndarray | None:
-        """The same along the edges of problems (:attr:`TriangleMesh.posed`); None where these are the mesh's own."""
-        posed = self.mesh.posed
-        own = self.correction is not None or posed is self.mesh
-        return None if own else matchings(posed, self.angles, self.symmetry)
+        """The matchings along :attr:`TriangleMesh.solver_mesh`'s edges; None if problems use the mesh's own edges."""
+        solver_mesh = self.mesh.solver_mesh
+        own = self.correction is not None or solver_mesh is self.mesh
+        return None if own else matchings(solver_mesh, self.angles, self.symmetry)
 
 
 @dataclass(frozen=True)
@@ -199,10 +199,10 @@ def _pose_directions(
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
     # Corrections are given along the mesh's own edges.
-    posed = mesh if wishes.corrects else mesh.posed
-    turns = levi_civita(posed, symmetry)
-    connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
-    fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
+    solver_mesh = mesh if wishes.corrects else mesh.solver_mesh
+    turns = levi_civita(solver_mesh, symmetry)
+    connection = Connection(mesh.vertex_count, solver_mesh.edges, solver_mesh.weights, circle_transports(turns))
+    fixed, soft, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
     fixed = drop_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
     fixed = snap_targets(fixed, loops, LEAN * symmetry)
@@ -212,16 +212,16 @@ def _pose_directions(
         values, weights = blend_guides(guides, strengths, symmetry)
         weights[fixed.nodes] = 0
         nodes = np.flatnonzero(weights > 0)
-        drawn.append(Targets(nodes, values[nodes], weights[nodes]))
+        soft.append(Targets(nodes, values[nodes], weights[nodes]))
     known = correction = None
     if wishes.corrects:
         known = known_turns(connection, fixed, merged)
         correction = _correction(mesh, symmetry, wishes, known)
         connection = replace(connection, transports=circle_transports(turns + correction))
-    turns_of = partial(_curl_removing_turns, posed, symmetry, connection, fixed, merged, wishes.singularities)
+    turns_of = partial(_curl_removing_turns, solver_mesh, symmetry, connection, fixed, merged, wishes.singularities)
     calmer = turns_of if wishes.singularities > 0 else None
     connection = add_self_edges(connection, loops)
-    problem = SynchronizationProblem(connection, posed.vertex_masses, merged, fixed, join_targets(drawn), calmer)
+    problem = SynchronizationProblem(connection, solver_mesh.vertex_masses, merged, fixed, join_targets(soft), calmer)
     return problem, known, correction
 
 

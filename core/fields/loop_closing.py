@@ -7,9 +7,10 @@ without curl that meet conditions R c = 0 are
 
     c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
 
-where C sums changes around the faces, G is the softness of the edges (:mod:`.curl_removal`), and the rows d of D are
-the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of the
-added changes, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its images.
+where C sums changes around the faces, G has the inverse weights of the edges (:mod:`.curl_removal`), and the rows d of
+D are the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares
+of the added changes, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its
+images.
 """
 
 from collections.abc import Sequence
@@ -79,15 +80,16 @@ class LoopClosing:
 
     def __init__(self, pattern: Pattern, mirrors: Sequence[Reflection] = ()) -> None:
         self._one_form = one_form = pattern.one_form
-        self._asked = one_form.changes.ravel()
-        self._softness = 1 / np.maximum(np.repeat(one_form.mesh.weights, 2), SMALLEST_WEIGHT)
+        self._changes = one_form.changes.ravel()
+        self._inverse_weights = 1 / np.maximum(np.repeat(one_form.mesh.weights, 2), SMALLEST_WEIGHT)
         assert pattern.problem is not None
         fixed, merged = pattern.problem.fixed, pattern.problem.merged
-        self._softness[~np.isnan(known_turns(one_form.connection, fixed, merged))] = 0
+        # Changes that constraints fix cannot be corrected.
+        self._inverse_weights[~np.isnan(known_turns(one_form.connection, fixed, merged))] = 0
         circulation, _ = surface_circulation(one_form.mesh, one_form.matchings, 2)
-        self._flow = (diags_array(self._softness) @ circulation.matrix.T).tocsr()
+        self._flow = (diags_array(self._inverse_weights) @ circulation.matrix.T).tocsr()
         laplacian = (circulation.matrix @ self._flow).tocsr()
-        self._rows = removable_rows(circulation, self._softness > 0, laplacian)
+        self._rows = removable_rows(circulation, self._inverse_weights > 0, laplacian)
         self._circulation = circulation.matrix[self._rows]
         self._factor = None
         if len(self._rows):
@@ -97,7 +99,7 @@ class LoopClosing:
 
     def _project(self, row: np.ndarray) -> np.ndarray:
         """(2 e,) change d of a row r."""
-        change: np.ndarray = self._softness * row
+        change: np.ndarray = self._inverse_weights * row
         for mirror in self._mirrors:
             change = (change + mirror.reflect(change)) / 2
         if self._factor is None:
@@ -126,7 +128,7 @@ class LoopClosing:
             return None
         row = rows[across]
         change = self._project(row)
-        return Condition(row, change) if row @ change > FREE * (row @ (self._softness * row)) else None
+        return Condition(row, change) if row @ change > FREE * (row @ (self._inverse_weights * row)) else None
 
     def _sums(self, walk: np.ndarray) -> np.ndarray | None:
         """(2, 2 e) rows of the sums of changes along a closed walk, for both phases of its first vertex; None where
@@ -153,11 +155,11 @@ class LoopClosing:
         missing = sums - self._values(conditions)
         shares = np.linalg.lstsq(_gram(conditions), missing, rcond=1e-8)[0]
         changes = (share * condition.change for share, condition in zip(shares, conditions, strict=True))
-        return sum(changes, np.zeros(len(self._asked))).reshape(-1, 2), float(missing @ shares)
+        return sum(changes, np.zeros(len(self._changes))).reshape(-1, 2), float(missing @ shares)
 
     def _values(self, conditions: Sequence[Condition]) -> np.ndarray:
         """(k,) sums v of the target changes."""
-        return np.array([condition.row @ self._asked for condition in conditions])
+        return np.array([condition.row @ self._changes for condition in conditions])
 
     def choose(
         self,

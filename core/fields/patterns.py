@@ -147,7 +147,7 @@ def _pose_pattern(
         links, loops = split_links(count, [mirror.phase_links(one_form) for mirror in wishes.mirrors])
         rows = [row for row in wishes.rows if row.is_of_phases]
         links, on_grid = add_grid_lines(one_form, rows, links)
-        fixed, merged, drawn = phase_constraints(one_form, [row for row in rows if row.kind != GRID], [links], slack)
+        fixed, merged, soft = phase_constraints(one_form, [row for row in rows if row.kind != GRID], [links], slack)
         fixed = snap_targets(fixed, loops, slack)
         loops = join_links([loops, link_to_themselves(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
     except ContradictionError as error:
@@ -157,7 +157,7 @@ def _pose_pattern(
     connection = add_self_edges(solved.connection, loops)
     # At a branching of 0 there is no curl left to remove.
     calmer = partial(solved.curl_removing_turns, fixed, merged) if wishes.branching > 0 else None
-    problem = SynchronizationProblem(connection, solved.masses, merged, fixed, join_targets(drawn), calmer)
+    problem = SynchronizationProblem(connection, solved.masses, merged, fixed, join_targets(soft), calmer)
     return one_form, problem, loops
 
 

@@ -75,11 +75,11 @@ class TargetOneForm:
 
     @property
     def on_solver_edges(self) -> "TargetOneForm":
-        """The one-form along the edges of its problem (see :attr:`TriangleMesh.posed`): the mesh's own where there is a
-        correction or a stretch of these."""
+        """The one-form along the edges of its problem: those of :attr:`TriangleMesh.solver_mesh`, or the mesh's own if
+        these have a correction or a stretch."""
         if self.solver_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
             return self
-        return replace(self, mesh=self.mesh.posed, matchings=self.solver_matchings, solver_matchings=None)
+        return replace(self, mesh=self.mesh.solver_mesh, matchings=self.solver_matchings, solver_matchings=None)
 
     @property
     def asked_rates(self) -> np.ndarray:

@@ -32,7 +32,7 @@ def check_length(name: str, length: float, step: float) -> None:
         )
 
 
-def beside(points: np.ndarray, values: np.ndarray, ways: Sequence[float]) -> np.ndarray:
+def values_along(points: np.ndarray, values: np.ndarray, ways: Sequence[float]) -> np.ndarray:
     """Interpolate (p, d) values of a polyline, (p, 3), at (w,) distances along it from each point, negative backwards.
 
     Returns (w, p, d) values; beyond the ends those of the ends. A polyline that ends where it begins is closed.
@@ -45,7 +45,7 @@ def beside(points: np.ndarray, values: np.ndarray, ways: Sequence[float]) -> np.
     return np.array([np.column_stack([np.interp(places + way, along, column) for column in values.T]) for way in ways])
 
 
-def around(points: np.ndarray, is_closed: bool) -> np.ndarray:
+def close_polyline(points: np.ndarray, is_closed: bool) -> np.ndarray:
     """Append the first of (p, 3) points at the end of a closed polyline."""
     return np.vstack([points, points[:1]]) if is_closed else points
 

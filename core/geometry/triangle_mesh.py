@@ -225,8 +225,8 @@ class TriangleMesh:
         return edge_weights(cotangents[:, [2, 0, 1]].ravel(), self._half_edges.numbers, len(self.edges))
 
     @cached_property
-    def posed(self) -> "TriangleMesh":
-        """The mesh that problems are posed on: this one, or its :func:`intrinsic_delaunay` triangulation, with all
+    def solver_mesh(self) -> "TriangleMesh":
+        """The mesh on which problems are solved: this one, or its :func:`intrinsic_delaunay` triangulation, with all
         attributes that problems need, if negative weights are too large a share of the energy."""
         lost = clipped_share(self.corner_angles, self.triangle_edges, self.edge_lengths, self.areas)
         return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)  # type: ignore[return-value]

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from ..extract.layers.toolpaths import rim_vertices
 from ..geometry import TriangleMesh
-from ..geometry.polylines import around, places_at, polyline_length
+from ..geometry.polylines import close_polyline, places_at, polyline_length
 from ..graphs import components
 
 # Rounds in which vertices take over their neighbours' nearest place of the rim.
@@ -47,7 +47,7 @@ class Polyline:
 
     @property
     def length(self) -> float:
-        return polyline_length(around(self.points, self.closed))
+        return polyline_length(close_polyline(self.points, self.closed))
 
 
 def medial_beads(
@@ -179,7 +179,7 @@ def chains(count: int, pairs: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
 
 def smooth(bead: Polyline, step: float) -> Polyline:
     """A bead without the bends that come from the edges of the mesh, its points a share of a step apart."""
-    points = around(bead.points, bead.closed)
+    points = close_polyline(bead.points, bead.closed)
     length = polyline_length(points)
     count = max(3 if bead.closed else 2, round(PARTS * length / step)) + (not bead.closed)
     points = places_at(points, np.linspace(0, length, count, endpoint=not bead.closed))

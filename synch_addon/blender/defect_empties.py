@@ -107,7 +107,7 @@ def collection_of_defects(obj):
 
 
 def _remove_empties(leaving):
-    """Remove empties from the file; those that are leaving are no defects any more."""
+    """Remove empties; until the transaction ends they do not count as defects."""
     for empty in leaving:
         drop(empty, _KIND)
     leave(leaving)
@@ -121,8 +121,10 @@ def _new_empty(obj, name, collection):
 
 
 def _corners(mesh, face):
-    """The first three vertices of a face, by number, and the inverse of the matrix from the space that Blender gives
-    what has them as its parents; no numbers where it has no area."""
+    """Three vertices of a face as parents of an empty, and the inverse of the matrix that Blender gives their children.
+
+    Without a mesh, or for a face of no area, the empty has no such parents: (), identity.
+    """
     if mesh is not None:
         numbers = mesh.polygons[face].vertices[:3]
         first, second, third = (mesh.vertices[number].co for number in numbers)

@@ -18,7 +18,7 @@ from .schema import DIRECTION
 
 
 def check_triangles(polygons):
-    """Refuse faces that are no triangles: a field file has directions for triangles only."""
+    """Refuse a mesh with other faces than triangles: a field file has directions for triangles only."""
     larger = np.flatnonzero(polygons.sizes > 3)
     if len(larger):
         raise MeshError(

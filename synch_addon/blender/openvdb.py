@@ -13,7 +13,8 @@ from ...core.files import openvdb
 
 @cache
 def module_file():
-    """Its file, which the bpy wheel keeps beside its scripts; None where it is found by its name, or not at all."""
+    """Path of the module in the bpy wheel, which keeps it beside its scripts; None if it can be imported by name, or is
+    missing."""
     if importlib.util.find_spec("openvdb") is not None:
         return None
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"

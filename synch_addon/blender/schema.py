@@ -75,17 +75,19 @@ SINGULARITY = Attribute("synch_singularity", "FACE", "FLOAT", "disclination inde
 _PLACE = "place inside singular faces, zero elsewhere: corner weights of a triangle; (s, t, −1) of a quad"
 BARYCENTRIC = Attribute("synch_barycentric", "CORNER", "FLOAT_VECTOR", _PLACE)
 PATTERN = Attribute("synch_pattern", "POINT", "FLOAT", "cos α, for quads cos α_x · cos α_y, for quick use")
-_BACK = "quads: rim value of each phase where the walk around a disclination is back at the first corner"
+_BACK = "quads: rim value of each phase at the end of the walk around a disclination, back at the first corner"
 CLOSING = Attribute("synch_closing", "FACE", "FLOAT2", _BACK)
 _SLOTS = "stripes, after Number Stripes: number of the stripe in each slot (period of the phase modulo 3); negative "
 _SLOTS += "where the phase grows to the right of the direction along"
-_ERROR = "spacing of the lines over the asked one, less 1; of quads for the phase that is further off; 0 at defects"
+_ERROR = "spacing of the lines over the wanted one, minus 1; of quads for the phase that is further off; 0 at defects"
 SPACING_ERROR = Attribute("synch_spacing_error", "FACE", "FLOAT", _ERROR)
 NUMBER = Attribute("synch_number", "FACE", "FLOAT_VECTOR", _SLOTS)
-ALONG = Attribute("synch_along", "CORNER", "FLOAT_VECTOR", "likewise: way along the stripe of each slot, in spacings")
+ALONG = Attribute(
+    "synch_along", "CORNER", "FLOAT_VECTOR", "likewise: distance along the stripe of each slot, in spacings"
+)
 LAYER = Attribute("synch_layer", "FACE", "INT", "layers: number of the layer, from the bottom")
 SPHERE = Attribute("synch_sphere", "POINT", "FLOAT_VECTOR", "tubes and flows on a surface: point of the sphere there")
-COLOR = Attribute("synch_color", "POINT", "FLOAT_COLOR", "the same as a colour")
+COLOR = Attribute("synch_color", "POINT", "FLOAT_COLOR", "the same point as a colour")
 STRENGTH = Attribute("synch_strength", "FACE", "FLOAT", "flows on a surface: circulation of the vortices in the face")
 _PARENT = "pattern's own surface: {} of the three vertices of the object that the place lies between"
 PARENTS = tuple(

@@ -8,7 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
-from ...core.geometry.polylines import beside, check_length, polyline_length, resample_polyline
+from ...core.geometry.polylines import check_length, polyline_length, resample_polyline, values_along
 from .attributes import read_all
 from .modifiers import is_of_filaments
 from .objects import world_of
@@ -51,7 +51,7 @@ def _project_polyline(tree, points, reach):
     reach = min(reach, polyline_length(points) / 4)
     ways = np.linspace(-reach, reach, 9)
     for _ in range(2):
-        around = beside(points, places - points, ways)
+        around = values_along(points, places - points, ways)
         faces, places = _nearest(tree, points + np.average(around, axis=0, weights=1.1 * reach - np.abs(ways)))
     return faces, places
 

@@ -36,7 +36,7 @@ class Work:
     waited : seconds before it began
     is_quiet : whether the window does not mention it
     is_over : whether it has ended, with a result or an error
-    let_go : callable that releases the window's timer, cursor and the like; it may be called more than once
+    let_go : callable that gives back the window's timer and status line; it may be called more than once
     """
 
     def __init__(self, job, label, is_quiet=False):

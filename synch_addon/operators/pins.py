@@ -43,7 +43,7 @@ Esc undoes. Solve again, or let Live follow"""
         return True
 
     def let_go(self, obj):
-        self._costs.tell(obj)
+        self._costs.compute(obj)
         return cost_line(obj)
 
     def take_back(self, obj):

@@ -50,7 +50,7 @@ def look_of(obj):
 
 
 def draw_look(layout, obj):
-    """The inputs of the node that shows an object's pattern, but those that other nodes lead to."""
+    """Draw the inputs of the node that shows an object's pattern, except those that are linked."""
     kind = pattern_kind(obj)
     node = None if kind is None else pattern_node(obj, kind)
     if node is None:

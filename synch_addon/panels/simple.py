@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The few choices of the simple panel: names for what the object's settings say, which they change."""
+"""The few choices of the simple panel, each a name for values of the object's settings."""
 
 import math
 
@@ -11,7 +11,7 @@ from ..blender.registration import register_all
 from ..patterns.refine import expected_spacing
 from ..settings.fields import source_of
 
-# What each direction asks of the settings: guidance, and the angle by which it is turned.
+# Settings of each direction: guidance and angle.
 _DIRECTIONS = {
     "SMOOTH": ("SMOOTH", 0.0),
     "CURVATURE": ("CURVATURE_MIN", 0.0),

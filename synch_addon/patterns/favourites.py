@@ -48,9 +48,9 @@ def keep(obj, name=""):
 
 
 def show(obj, name):
-    """Show a favourite; returns what :func:`kept_results.result_line` keeps of it, as a dict.
+    """Show a favourite; returns the entries of its report that are stored (:func:`kept_results.result_line`).
 
-    Where it comes from the solve that is in memory, that stays there, and the slider goes on from it. Raises
+    If the last solve has the same directions and settings, the favourite becomes one of its variations. Raises
     SynchError, with nothing written.
     """
     meshes.refuse(obj)

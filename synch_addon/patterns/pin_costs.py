@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pins cost, before a pattern is solved: how much more directions bend with them than without.
+"""Cost of pins before a pattern is solved: how much more directions bend with them than without.
 
-On larger meshes first fields tell that, which are quick and no more than a hint.
+On larger meshes it is that of first fields, which is quick and only an estimate.
 """
 
 from dataclasses import replace
@@ -15,19 +15,16 @@ from ..jobs.lru_cache import LruCache
 from ..reading.surface import gather, settings_for
 from ..settings.fields import stored_settings
 
-# Shares of the last objects, by their pins.
-_told = LruCache(8)
-# Vertices up to which directions are solved for as they will be: in a third of a second there.
+# Costs last computed, with the pins that they are for.
+_costs = LruCache(8)
+# Vertices up to which directions are solved by the method that is set: a third of a second.
 _SOLVED = 3000
-# A bending for each vertex that is as good as none.
+# Bending for each vertex that counts as none.
 _FLAT = 1e-9
 
 
 class PinCosts:
-    """What pins of an object cost in directions, which are those of what was solved last.
-
-    Raises SynchError as of a solve.
-    """
+    """The cost of an object's pins in directions of the kind that was solved last; SynchError as for a solve."""
 
     def __init__(self, obj):
         last = read_result_or_empty(obj.synch.result).get("command")
@@ -38,22 +35,21 @@ class PinCosts:
         self._request = request
         self._free = self._request.directed().bending
 
-    def tell(self, obj):
+    def compute(self, obj):
         """How much more directions bend with the object's pins than without, as a share.
 
-        None where free ones do not bend, or are given.
+        None if they do not bend without pins, or are given.
         """
         share, pins = None, parse_pins(obj.synch.pins)
         if self._free > _FLAT * self._request.given.mesh.vertex_count and self._request.source.directions is None:
             share = self._request.with_pins(pins).directed().bending / self._free - 1
-        _told.put(obj.session_uid, (obj.synch.pins, share))
+        _costs.put(obj.session_uid, (obj.synch.pins, share))
         return share
 
 
 def cost_line(obj):
-    """What :meth:`PinCosts.tell` last told of an object, as a line of the interface, where its pins are still the same;
-    else ""."""
-    pins, share = _told.get(obj.session_uid) or ("", None)
+    """The cost that :meth:`PinCosts.compute` last found for an object, as a line; "" if its pins have changed since."""
+    pins, share = _costs.get(obj.session_uid) or ("", None)
     if share is None or pins != obj.synch.pins:
         return ""
     return translate(

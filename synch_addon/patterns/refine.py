@@ -97,9 +97,9 @@ def expected_spacing(command, obj):
 
 
 def missing_levels(obj):
-    """How often the mesh has to be subdivided for the spacing that is set, as a number to round up; 0 or less for not.
+    """Number of subdivisions that the mesh needs for the spacing that is set, to be rounded up; 0 or less for none.
 
-    Of automatic spacing, for as many lines across as :data:`FEW_LINES`.
+    Automatic spacing counts as :data:`FEW_LINES` lines across.
     """
     found = mesh_detail(obj)
     if found is None or found.size == 0:

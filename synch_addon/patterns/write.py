@@ -52,7 +52,7 @@ def is_written(obj, request, field, pattern):
         values = attributes.read(obj, schema.DIRECTION)
         return values is not None and np.abs(values - given.to_object(field.vectors)).max(initial=0) < SAME
     phases = given.at_object(pattern.edge_phases.arguments)
-    for own, column in zip(_own(phases.shape[1]), phases.T, strict=True):
+    for own, column in zip(_phase_attributes(phases.shape[1]), phases.T, strict=True):
         values = attributes.read(obj, own.vertex_phase)
         if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > SAME:
             return False
@@ -115,8 +115,8 @@ def split_line(faces):
     )
 
 
-def _own(count):
-    """Each phase's attributes, by how many phases a vertex has."""
+def _phase_attributes(count):
+    """The attributes of each phase, for a number of phases at a vertex."""
     return schema.PHASES["stripes" if count == 1 else "quads"]
 
 
@@ -129,7 +129,7 @@ def attribute_values(phases, vertex_phases):
     vertex_phases : (n, k) radians
     """
     values = {schema.BARYCENTRIC: phases[0].corner_place, schema.PATTERN: np.cos(vertex_phases).prod(axis=1)}
-    for own, phase, at_vertices in zip(_own(len(phases)), phases, vertex_phases.T, strict=True):
+    for own, phase, at_vertices in zip(_phase_attributes(len(phases)), phases, vertex_phases.T, strict=True):
         values |= {own.phase: phase.corner_phase, own.index: phase.index, own.vertex_phase: at_vertices}
         if phase.index_2.any():  # absent means zero to a shader
             values[own.index_2] = phase.index_2

@@ -53,7 +53,7 @@ def _line(obj, given, constraint):
     group = groups.read_group(obj, constraint.name) if constraint.name else None
     if constraint.where == "boundary":
         try:
-            members = None if group is None else group[_own(given)]
+            members = None if group is None else group[_source_of_uncut(given)]
             line = boundary_line(given.uncut, members, given.boundary_edges)
         except SettingError as error:
             raise SettingError(f"{constraint.label}: {error}, or remove the row") from None
@@ -73,15 +73,15 @@ def _edges(obj, given, constraint):
         remedy = f"mark edges with {remedy} first"
     else:
         members = groups.read_group(obj, constraint.name)
-        edges = group_edges(given.uncut, members[_own(given)])
+        edges = group_edges(given.uncut, members[_source_of_uncut(given)])
         remedy = f"add both ends of at least one to {constraint.name!r}"
     if len(edges) == 0:
         raise SettingError(f"{constraint.label} holds no edge: {remedy}, or remove the row")
     return edges
 
 
-def _own(given):
-    """The object's vertex that each of the whole surface was."""
+def _source_of_uncut(given):
+    """(n,) vertex of the object for each vertex of the uncut surface."""
     return given.source[: given.uncut.vertex_count]
 
 

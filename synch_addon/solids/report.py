@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.fields.evenness import quantiles
 from ...core.files.json_text import plain
-from ...core.geometry.polylines import around, polyline_length
+from ...core.geometry.polylines import close_polyline, polyline_length
 from ..jobs.report import count_text
 
 # Warnings come from this share of the paths' length on, and below this share of the layers' area; largest number of
@@ -37,7 +37,7 @@ def layer_facts(layering):
             {
                 "index": curve.index,
                 "closed": curve.is_closed,
-                "length": polyline_length(around(curve.points, curve.is_closed)),
+                "length": polyline_length(close_polyline(curve.points, curve.is_closed)),
                 "tetrahedra": len(curve.tets),
             }
             for curve in layering.curves

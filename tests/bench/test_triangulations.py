@@ -26,7 +26,7 @@ def mesh(request):
 
 
 def on_own_edges(monkeypatch):
-    monkeypatch.setattr(TriangleMesh, "posed", property(lambda mesh: mesh))
+    monkeypatch.setattr(TriangleMesh, "solver_mesh", property(lambda mesh: mesh))
 
 
 def smooth_field(mesh, symmetry):
@@ -75,8 +75,8 @@ def test_stripes_have_the_energy_of_the_even_triangulation(mesh, monkeypatch):
 def test_indices_sum_to_the_characteristic_on_slivers_whatever_is_calmed():
     """What is calmed is posed on the mesh's own edges, along which it is read."""
     mesh = bad_slivers()
-    assert mesh.posed is not mesh
-    for share, posed in ((1.0, mesh.posed), (0.3, mesh)):
+    assert mesh.solver_mesh is not mesh
+    for share, posed in ((1.0, mesh.solver_mesh), (0.3, mesh)):
         field = direction_field(mesh, 4, DirectionWishes(singularities=share))
         assert sum(round(4 * d.index) for d in field.disclinations) == 8
         assert TargetOneForm.of(mesh, field, 0.5).on_solver_edges.mesh is posed

@@ -104,7 +104,7 @@ def test_the_pattern_is_continuous_across_every_edge(build, symmetry, phases):
 @pytest.mark.parametrize("build", [mixed_torus, slanted_torus, twisted_sphere])
 def test_polygons_whose_problem_is_posed_on_other_triangles_are_continuous_once_the_unfit_are_split(build, symmetry):
     mesh, polygons = build()
-    assert mesh.posed is not mesh
+    assert mesh.solver_mesh is not mesh
     edge_phases = edge_phases_on(mesh, symmetry, "solved")
     unfit = face_phases(edge_phases, polygons)[0].unfit
     assert len(unfit) > 0 or build is not mixed_torus

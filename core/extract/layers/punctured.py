@@ -49,8 +49,10 @@ def sheets_in(crossings: LayerCrossings, numbers: np.ndarray, tets: np.ndarray) 
 
 
 def _lines_on(crossings: LayerCrossings, numbers: np.ndarray, faces: np.ndarray) -> dict[int, list[tuple[int, int]]]:
-    """The lines on each face: pairs of crossings, or of one and the face's centre, with the higher side on the left if
-    the face's vertices in increasing order are counterclockwise."""
+    """The lines of levels on each face: pairs of crossings, or of a crossing and the face's centre.
+
+    Larger phases are on their left if the face's vertices in increasing order are counterclockwise.
+    """
     mesh = crossings.mesh
     a, b, c = mesh.faces[faces].T
     edges = np.column_stack([mesh.edges_between(a, b), mesh.edges_between(b, c), mesh.edges_between(a, c)])

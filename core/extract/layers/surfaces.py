@@ -106,19 +106,22 @@ def _without_doubles(triangles: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def _links(triangles: np.ndarray, inner_count: int) -> np.ndarray:
-    """(k, 2) half-edges of neighbouring triangles that are joined; where several sheets meet, boundary faces with
-    boundary faces and inner triangles with inner triangles first."""
+    """(k, 2) half-edges of neighbouring triangles that are joined.
+
+    Two triangles of the same kind at an edge, both on the boundary or both inside, are joined first; then the two that
+    are left, of different kinds.
+    """
     tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     low, high = np.minimum(tails, heads), np.maximum(tails, heads)
     edge = np.unique(low * (triangles.max(initial=0) + 1) + high, return_inverse=True)[1].reshape(-1)
     on_boundary = np.arange(len(edge)) >= 3 * inner_count
-    like = 2 * edge + on_boundary
-    sizes = np.bincount(like)[like]
-    order = np.argsort(like, kind="stable")
+    same_kind = 2 * edge + on_boundary  # label of the edge and the kind of triangle
+    sizes = np.bincount(same_kind)[same_kind]
+    order = np.argsort(same_kind, kind="stable")
     alone = order[sizes[order] == 1]
     met = np.flatnonzero(np.diff(edge[alone]) == 0)
-    unlike = np.column_stack([alone[met], alone[met + 1]])
-    pairs = np.concatenate([order[sizes[order] == 2].reshape(-1, 2), unlike])
+    mixed = np.column_stack([alone[met], alone[met + 1]])
+    pairs = np.concatenate([order[sizes[order] == 2].reshape(-1, 2), mixed])
     return pairs[tails[pairs[:, 0]] == heads[pairs[:, 1]]]
 
 

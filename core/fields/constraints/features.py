@@ -213,16 +213,17 @@ def _grid_links(one_form: OneForm, rows: Sequence[Row]) -> tuple[Links, np.ndarr
 
 
 def _spanning(count: int, links: Links, loops: np.ndarray) -> Links:
-    """The links without those that close a cycle among nodes linked to the (k,) ``loops``, nodes that are 1 or -1.
+    """Drop links that close cycles among nodes linked to the (k,) ``loops``, whose phases are 1 or -1.
 
-    Around a cycle a phase may come back conjugated, which makes no difference to 1 and -1. The links have no turns.
+    Around a cycle a phase may come back conjugated, which would be a contradiction for others but not for 1 and -1. No
+    link has an angle.
     """
     pairs = np.column_stack([links.i, links.j])
     labels = components(count, pairs)
     whole = np.zeros(labels.max(initial=-1) + 1, bool)
     whole[labels[loops]] = True
     needed = ~whole[labels[links.i]]
-    # Several links between two nodes would be summed: they are told apart by their places instead.
+    # The sparse matrix sums several links between two nodes; of these the first one is kept.
     tree = minimum_spanning_tree(coo_matrix((np.ones(len(pairs)), np.sort(pairs, axis=1).T), shape=(count, count)))
     first = np.unique(np.sort(pairs, axis=1), axis=0, return_index=True)[1]
     kept = np.column_stack(tree.nonzero())

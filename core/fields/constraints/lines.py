@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...errors import SettingError
 from ...gauge import balance
-from ...geometry.polylines import beside, piece_lengths
+from ...geometry.polylines import piece_lengths, values_along
 from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components
 from ..guidance.face_directions import corner_turns, face_frames
@@ -209,7 +209,7 @@ def _tangents(points: np.ndarray, steps: np.ndarray, reach: float) -> np.ndarray
     """(p, 3) vectors from about ``reach`` before each point of a polyline to as far behind it: differences of
     consecutive points, which may be close, would jump where faces meet."""
     reach = min(reach, steps.sum() / 4)
-    before, behind = beside(points, points, (-reach, reach))
+    before, behind = values_along(points, points, (-reach, reach))
     tangents: np.ndarray = behind - before
     return tangents
 

@@ -85,13 +85,13 @@ def phase_constraints(
     fixed, merged = contract_groups(count, joined, fixed, slack)
     is_fixed = np.zeros(count, bool)
     is_fixed[fixed.nodes] = True
-    drawn = []
+    soft = []
     for p in phases:
         if not p.row.is_hard:
             free = ~is_fixed[p.nodes]
             weights = p.of_vertices(penalties(one_form.mesh, p.row))
-            drawn.append(Targets(p.nodes[free], p.values[free], weights[free]))
-    return fixed, merged, drawn
+            soft.append(Targets(p.nodes[free], p.values[free], weights[free]))
+    return fixed, merged, soft
 
 
 def _links(phases: _LinePhases, one_form: OneForm) -> Links:

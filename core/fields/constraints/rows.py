@@ -102,7 +102,7 @@ def direction_targets(
     hard = [row for row in rows if row.is_hard]
     for first, second in combinations(hard, 2):
         _refuse_contradiction(symmetry, first, second)
-    fixed, drawn = Targets.none(), []
+    fixed, soft = Targets.none(), []
     if hard:
         lines = [replace(row.line.directed, angles=row.line.directed.angles + row.turn) for row in hard]
         fixed = Targets(*_agreeing_nodes(*Row(join_stations(lines), "along").directions(symmetry)))
@@ -113,7 +113,7 @@ def direction_targets(
             nodes, values = _agreeing_nodes(*row.directions(symmetry))
             weights = penalties(mesh, row)[np.searchsorted(row.line.nodes, nodes)]
             free = ~taken[nodes]
-            drawn.append(Targets(nodes[free], values[free], weights[free]))
+            soft.append(Targets(nodes[free], values[free], weights[free]))
             taken[nodes] |= weights > 0
     gives_way = np.zeros(len(fixed.nodes), bool)
     for row in grid:
@@ -121,7 +121,7 @@ def direction_targets(
         free = ~taken[nodes]
         fixed = Targets(np.append(fixed.nodes, nodes[free]), np.append(fixed.values, values[free]))
         gives_way = np.append(gives_way, np.ones(free.sum(), bool))
-    return fixed, drawn, gives_way
+    return fixed, soft, gives_way
 
 
 def _agreeing_nodes(nodes: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

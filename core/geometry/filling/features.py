@@ -101,12 +101,12 @@ def _move_to_edges(moves: "_Moves", crossing: np.ndarray, segments: np.ndarray, 
     crossing = crossing[~moves.done[crossing].any(axis=1)]
     ends = np.unique(crossing)
     places = _nearest_on_segments(segments, moves.vertices[ends], reach)
-    ways = np.linalg.norm(places - moves.vertices[ends], axis=1)
+    distances = np.linalg.norm(places - moves.vertices[ends], axis=1)
     others: dict[int, list[int]] = {end: [] for end in ends.tolist()}
     for i, j in crossing.tolist():
         others[i].append(j)
         others[j].append(i)
-    for row in np.argsort(ways)[: np.count_nonzero(ways <= reach)]:
+    for row in np.argsort(distances)[: np.count_nonzero(distances <= reach)]:
         if not moves.done[others[ends[row]]].all():
             moves.attempt(ends[row], places[row])
 
@@ -146,7 +146,10 @@ class _Moves:
         self._ends = np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count))
 
     def attempt(self, vertex: int, place: np.ndarray, for_good: bool = False) -> bool:
-        """Move a vertex unless it was moved ``for_good``; returns whether it has moved."""
+        """Move a vertex if its tetrahedra stay within the bounds; returns whether it has moved.
+
+        A vertex that was moved ``for_good`` is not moved again.
+        """
         if self._stays[vertex]:
             return False
         start = self._ends[vertex - 1] if vertex else 0

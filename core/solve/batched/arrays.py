@@ -16,7 +16,7 @@ def side_by_side(fields: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(fields.transpose(1, 0, 2)).reshape(fields.shape[1], -1)
 
 
-def apart(columns: np.ndarray, count: int) -> np.ndarray:
+def stacked_fields(columns: np.ndarray, count: int) -> np.ndarray:
     """(k, N, c) fields of (N, k c) columns."""
     return np.ascontiguousarray(columns.reshape(len(columns), count, -1).transpose(1, 0, 2))
 

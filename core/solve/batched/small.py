@@ -25,7 +25,6 @@ from ..methods.staircase import AIMED_AT, WEAKEST_GAP
 from .arrays import (
     OfLifted,
     SideBySide,
-    apart,
     as_columns,
     diagonals,
     multipliers,
@@ -33,6 +32,7 @@ from .arrays import (
     principal_columns,
     set_unused,
     side_by_side,
+    stacked_fields,
     turning_hessian,
     turning_laplacians,
     unit_lifted,
@@ -136,11 +136,11 @@ class _Search:
         """(k, N, 1) fields after consecutive descents, each in the metric of the Hessian at its start."""
         point = self._circles.normalize(side_by_side(fields))
         for steps in all_steps:
-            metric = SideBySide(self._invert_hessian(apart(point, len(self._stack))))
+            metric = SideBySide(self._invert_hessian(stacked_fields(point, len(self._stack))))
             point = self._descend_fields(point, metric, steps, FINAL_TOLERANCE)
             if self.out_of_time:
                 break
-        return apart(point, len(self._stack))
+        return stacked_fields(point, len(self._stack))
 
     def _descend_fields(self, point: np.ndarray, metric: SideBySide, steps: int, tolerance: float) -> np.ndarray:
         matrix = SideBySide(self._stack.matrices)
@@ -225,7 +225,7 @@ class _Search:
         return int(np.ceil(np.sqrt(size) if self._stack.is_complex else np.sqrt(2 * size))) + 1
 
     def descend_lifted(self, point: np.ndarray, values: np.ndarray, steps: int, tolerance: float) -> np.ndarray:
-        """(k, N, r) lifted fields after descent in a metric with most of the multipliers subtracted.
+        """(k, N, r) lifted fields after descent, preconditioned by the matrix less most of the multipliers.
 
         ``values`` are (k,) energies that are not far below those of the relaxation.
         """
@@ -256,7 +256,9 @@ class _Search:
             return fields
         point = side_by_side(np.concatenate([fields, found], axis=2))
         metric = SideBySide(positive_inverse(turning_laplacians(stack), self._shifts(lifted)))
-        fields = self._lowest(apart(self._descend_fields(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT)
+        fields = self._lowest(
+            stacked_fields(self._descend_fields(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT
+        )
         fields[:, :, :1] = self.polish(fields[:, :, :1], STEPS)
         return self._remove_copies(fields)
 
@@ -264,7 +266,7 @@ class _Search:
         return CANDIDATE_SHIFT * _densities(self._stack, multipliers(self._stack, lifted).sum(axis=1))
 
     def _normalize(self, fields: np.ndarray) -> np.ndarray:
-        return apart(self._circles.normalize(side_by_side(fields)), len(self._stack))
+        return stacked_fields(self._circles.normalize(side_by_side(fields)), len(self._stack))
 
     def _lowest(self, fields: np.ndarray, count: int) -> np.ndarray:
         """The ``count`` fields of least energy of each piece, best first."""

@@ -103,7 +103,7 @@ def search_without_relaxation(
 def search_after_relaxation(
     workspace: Workspace, lifted: np.ndarray, samples: int, random: np.random.Generator, monitor: Monitor
 ) -> tuple[np.ndarray, bool]:
-    """The same from the (N, r) lifted field of a relaxation; see :func:`search_without_relaxation`."""
+    """As :func:`search_without_relaxation`, but from the (N, r) lifted field of a relaxation."""
     finest = workspace.stages[0]
     coarser = [stage for stage in workspace.stages[1:2] if stage.node_count >= SMALLEST_START]
     for stage in coarser:

@@ -196,7 +196,7 @@ class CirclesByFields(Circles):
     """Circles that descend in the metric of fields, which fits less well than that of turns but exists already."""
 
     def precondition(self, vector: np.ndarray, metric: Preconditioner, point: np.ndarray) -> np.ndarray:
-        """The inverse metric applied to the fields' velocities, as angles per unit of time."""
+        """The preconditioned vector of angular velocities: the metric acts on the velocities of the unit numbers."""
         cosine, sine = self._pair(point)
         if self.block == 1:
             along = metric.precondition(1j * point * vector)

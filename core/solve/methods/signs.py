@@ -37,7 +37,8 @@ class Flips:
         above = entries.row < entries.col
         self._edges = entries.row[above], entries.col[above], entries.data[above][:, None]
         self._weight = np.abs(entries.data[above]).mean()
-        classes = [np.flatnonzero(colours) for colours in _independent_sets(matrix)]
+        # The nodes of an independent set have no edges to one another and can flip at the same time.
+        classes = [np.flatnonzero(members) for members in _independent_sets(matrix)]
         self._classes = [(nodes, matrix[nodes], self._diagonal[nodes][:, None]) for nodes in classes]
 
     def descend(self, columns: np.ndarray, random: np.random.Generator | None = None) -> np.ndarray:
@@ -90,7 +91,7 @@ class Flips:
         return first
 
     def knock_out(self, columns: np.ndarray, random: np.random.Generator, monitor: Monitor) -> np.ndarray:
-        """(N, 1) signs: columns crossed in pairs, again and again, until one is left."""
+        """(N, 1) signs: the columns are crossed in pairs, and the results again, until one is left."""
         while columns.shape[1] > 1:
             half, rest = columns.shape[1] // 2, columns[:, columns.shape[1] // 2 * 2 :]
             winners = []

@@ -349,3 +349,13 @@ def test_a_map_is_followed_after_it_was_painted():
     assert followed() == 1 and followed() == 0
     cosines = np.einsum("ij,ij->i", attribute(obj, "synch_direction"), before)
     np.testing.assert_allclose(np.median(np.abs(cosines)), np.cos(0.1), atol=2e-3)
+
+
+def test_directions_that_are_given_have_no_solution_of_those_before():
+    obj = striped(spacing=0.5)
+    assert memory.state(obj).field.solution is not None
+    obj.synch.guidance, obj.synch.guide.vectors = "ATTRIBUTE", "synch_direction"
+    assert stored_settings(obj).exact_attribute == "synch_direction"
+    assert followed() == 1 and live.error == ""
+    field = memory.state(obj).field
+    assert field.solution is None and field.energy is None

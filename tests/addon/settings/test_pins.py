@@ -91,9 +91,9 @@ def test_what_pins_cost_is_told_about_right_before_the_solve(symmetry, command):
     free = memory.recall(obj).field.bending
     costs = PinCosts(obj)
     obj.synch.pins = ""
-    assert costs.tell(obj) == pytest.approx(0, abs=1e-6)
+    assert costs.compute(obj) == pytest.approx(0, abs=1e-6)
     obj.synch.pins = pins
-    told = costs.tell(obj)
+    told = costs.compute(obj)
     assert f"2 pins: about {told:+.0%} bending" == cost_line(obj)
     getattr(api, command)(obj, spacing=0.5)
     true = memory.recall(obj).field.bending / free - 1
@@ -105,7 +105,7 @@ def test_what_pins_cost_is_told_about_right_before_the_solve(symmetry, command):
 def test_directions_that_do_not_bend_have_no_cost():
     obj = grid(9)
     obj.synch.pins = "10=1"
-    assert PinCosts(obj).tell(obj) is None and cost_line(obj) == ""
+    assert PinCosts(obj).compute(obj) is None and cost_line(obj) == ""
 
 
 def test_pinned_faces_are_marked_in_the_colours_of_their_disclinations():
