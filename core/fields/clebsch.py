@@ -251,7 +251,7 @@ def spherical_map(found: ClebschMap, callback: Callback | None = None, is_rough:
     seen from its points."""
     begin = time.perf_counter()
     problem = found.problem
-    coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback, None, is_rough)
+    coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback, is_rough=is_rough)
     lifted = np.column_stack([problem.expand(column) for column in coordinates.T])
     energy = sum(problem.connection.energy(column) for column in lifted.T)
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)

@@ -68,11 +68,16 @@ def find_quantum(
     return max(quantum, _rounded(least_quantum(grid, integrals)))
 
 
-def coarse_map(grid: Grid | Surface, integrals: np.ndarray, quantum: float, seed: int = 0) -> ClebschMap | None:
-    """The map of a quick solve on the grid where the search begins; None for a quantum that is too small for it."""
+def coarse_map(
+    grid: Grid | Surface, integrals: np.ndarray, quantum: float, seed: int = 0, callback: Callback | None = None
+) -> ClebschMap | None:
+    """The map of a quick solve on the grid where the search begins; None where that grid cannot be made small,
+    or the quantum is too small for it."""
     coarse, along = _levels(grid, integrals)[-1]
+    if len(coarse.masses) > FINE_NODES:
+        return None
     with suppress(SettingError):
-        return clebsch_map(coarse, along, quantum, Options(method="coarse", seed=seed))
+        return clebsch_map(coarse, along, quantum, Options(method="coarse", seed=seed), callback)
     return None
 
 

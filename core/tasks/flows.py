@@ -184,8 +184,10 @@ class FlowResult:
         if quantum is None:
             sought = settings.share, settings.count, largest, settings.seed
             quantum = find_quantum(grid, integrals, *sought, portion(progress, 0.0, 0.1), show)
-        elif show is not None and (coarse := coarse_map(grid, integrals, quantum, settings.seed)) is not None:
-            show(coarse)
+        elif show is not None:
+            coarse = coarse_map(grid, integrals, quantum, settings.seed, portion(progress, 0.0, 0.1))
+            if coarse is not None:
+                show(coarse)
         found = clebsch_map(grid, integrals, quantum, options, portion(progress, 0.1, 0.35))
         least = least_quantum(grid, integrals)
         for number in range(more):
@@ -250,13 +252,16 @@ class FlowRequest:
         self, show: Callable[[FlowResult], object] | None, progress: Callback | None = None
     ) -> FlowResult:
         """:meth:`solve` with intermediate results: filaments on coarse grids, and then those of the whole solve before
-        the map to the sphere; ``show`` is called with each. Tubes need that map: there are none of them alone."""
+        the map to the sphere; ``show`` is called with each. There are none for tubes alone and for a point of the
+        sphere, which need that map."""
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
         each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
         progress = _estimate_seconds(progress, each * grid.node_count)
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
-        early = None if show is None or settings.show == "tubes" else lambda found: show(self._early(found, grid))
+        early = None
+        if show is not None and settings.show != "tubes" and settings.point is None:
+            early = partial(self._show_early, show, grid, warnings)
         result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest, early)
         shown = _run_interruptibly(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
         winding = None
@@ -267,17 +272,21 @@ class FlowRequest:
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
 
-    def _early(self, found: ClebschMap, grid: Grid) -> FlowResult:
-        """The filaments of a map as a result, without the map to the sphere and linking numbers."""
+    def _show_early(
+        self, show: Callable[[FlowResult], object], grid: Grid, warnings: tuple[str, ...], found: ClebschMap
+    ) -> None:
+        """Show the filaments of a map, if it has any, without the map to the sphere and linking numbers."""
         shown = showing(found, None, self.settings)
-        coarse = " x ".join(map(str, found.regular_grid.shape))
-        line = f"the solve was ended early: the filaments are those of a coarse grid of {coarse} nodes"
-        warnings = () if found.grid is grid else (line,)
-        return FlowResult(found, None, found, shown, None, (*warnings, *shown.missing))
+        if found.grid is not grid:
+            coarse = " x ".join(map(str, found.regular_grid.shape))
+            line = f"the solve was ended early: the filaments are those of a coarse grid of {coarse} nodes"
+            warnings = (*warnings, line)
+        if shown.lines:
+            show(FlowResult(found, None, found, shown, None, (*warnings, *shown.missing)))
 
-    def picture(self, result: FlowResult) -> "FilamentPicture":
+    def picture(self, result: FlowResult) -> FilamentPicture:
         """The picture of an intermediate result."""
-        assert result.shown is not None and result.shown.lines is not None  # see _early
+        assert result.shown is not None and result.shown.lines is not None  # see _show_early
         pieces = []
         for line in result.shown.lines:
             pieces += [line.whole] if self.settings.unwrapped or line.is_loop else line.parts
