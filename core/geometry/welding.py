@@ -87,9 +87,8 @@ def boundary_splits(places: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarr
     vertices = singles[near]
     shares = np.einsum("sx,sx->s", places[vertices] - begins[edge], ahead[edge]) / lengths[edge] ** 2
     apart = np.linalg.norm(begins[edge] + shares[:, None] * ahead[edge] - places[vertices], axis=1)
-    inside = (np.minimum(shares, 1 - shares) * lengths[edge] > SAME_PLACE * size) & (
-        apart <= ON_EDGE * _find_size(places)
-    )
+    inside = np.minimum(shares, 1 - shares) * lengths[edge] > SAME_PLACE * size
+    inside &= apart <= ON_EDGE * _find_size(places)
     inside &= (spots[triangles[halves[edge] // 3]] != vertices[:, None]).all(axis=1)
     edge, vertices, shares = edge[inside], vertices[inside], shares[inside]
     closes = _find_closing(ends, edge, vertices, shares)[edge]
