@@ -43,16 +43,19 @@ def welded_vertices(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def find_slivers(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Find triangles with one corner on the opposite edge, away from its ends, (t,) bool.
+    """Find triangles with one corner on the opposite edge, away from its ends, where another triangle is, (t,) bool.
 
     Their parts would not have an area in single precision. Without them, :func:`boundary_splits` closes the surface.
     """
+    mesh = TriangleMesh(places, triangles)
     with np.errstate(invalid="ignore"):
         sides = places[np.roll(triangles, -1, axis=1)] - places[triangles]
         lengths = np.linalg.norm(sides, axis=2)
         doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-        near = SAME_PLACE * np.ptp(places[np.isfinite(places).all(axis=1)], axis=0).max(initial=0.0)
-        return (doubled <= near * lengths.max(axis=1)) & (lengths.min(axis=1) > 2 * near)
+        near = ON_EDGE * _find_size(places)
+        is_flat = (doubled <= near * lengths.max(axis=1)) & (lengths.min(axis=1) > 2 * near)
+    shared = mesh.edge_face_counts[mesh.triangle_edges] > 1
+    return is_flat & np.take_along_axis(shared, lengths.argmax(axis=1)[:, None], axis=1)[:, 0]
 
 
 def boundary_splits(places: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -84,7 +87,8 @@ def boundary_splits(places: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarr
     vertices = singles[near]
     shares = np.einsum("sx,sx->s", places[vertices] - begins[edge], ahead[edge]) / lengths[edge] ** 2
     apart = np.linalg.norm(begins[edge] + shares[:, None] * ahead[edge] - places[vertices], axis=1)
-    inside = (np.minimum(shares, 1 - shares) * lengths[edge] > SAME_PLACE * size) & (apart <= ON_EDGE * size)
+    inside = np.minimum(shares, 1 - shares) * lengths[edge] > SAME_PLACE * size
+    inside &= apart <= ON_EDGE * _find_size(places)
     inside &= (spots[triangles[halves[edge] // 3]] != vertices[:, None]).all(axis=1)
     edge, vertices, shares = edge[inside], vertices[inside], shares[inside]
     closes = _find_closing(ends, edge, vertices, shares)[edge]
@@ -103,6 +107,11 @@ def _find_closing(ends: np.ndarray, edge: np.ndarray, vertices: np.ndarray, shar
     parts = np.sort(np.column_stack([points[part], points[part + 1]]), axis=1)
     _, label, count = np.unique(parts, axis=0, return_inverse=True, return_counts=True)
     return np.bincount(owners[part], weights=count[label.reshape(-1)] > 1, minlength=len(ends)) > 0
+
+
+def _find_size(places: np.ndarray) -> float:
+    """Compute the longest side of the box around finite places."""
+    return float(np.ptp(places[np.isfinite(places).all(axis=1)], axis=0).max(initial=0.0))
 
 
 def _find_spots(places: np.ndarray) -> tuple[np.ndarray, int]:

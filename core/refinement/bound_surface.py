@@ -88,9 +88,9 @@ def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[in
     vertices, places, starts = read.vertices, read.places, read.polygons.starts
     corner_vertices, triangle_corners = read.polygons.corner_vertices, read.polygons.triangle_corners
     edges = np.asarray(edges, int).reshape(-1, 2)
-    has_area = ~find_slivers(places, corner_vertices[triangle_corners])
-    own = welded_vertices(places, corner_vertices[triangle_corners[has_area]])
-    usable = has_area & _find_usable(places, own[corner_vertices[triangle_corners]])
+    own = welded_vertices(places, corner_vertices[triangle_corners])
+    triangles = own[corner_vertices[triangle_corners]]
+    usable = _find_usable(places, triangles) & ~find_slivers(places, triangles)
     corners = triangle_corners[usable]
     sides = _label_sides(edges, corner_vertices[corners], len(vertices))
     faces = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(corner_vertices)))

@@ -136,16 +136,20 @@ def test_vertices_on_edges_of_other_faces_close_the_surface(longest, share_verti
     np.testing.assert_allclose(at_corners, bound.vertices[bound.corner_vertices], atol=1e-8)
 
 
-def test_slivers_between_vertices_on_a_line_leave_no_gap():
+@pytest.mark.parametrize("high", [1e-9, 3e-6])
+@pytest.mark.parametrize("beside", [1, 9])
+def test_slivers_between_vertices_on_a_line_leave_no_gap(high, beside):
     triangles = QUADS[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-    on_edge = np.array([[1e-9, 1e-9, 1 / 3], [1e-9, 1e-9, 2 / 3]])  # from vertex 0 to vertex 1
+    on_edge = np.array([[high, high, 1 / 3], [high, high, 2 / 3]])  # from vertex 0 to vertex 1
     whole = (np.sort(triangles) == [0, 1, 5]).all(axis=1)
     assert whole.sum() == 1
     fans = [[8, 0, 5], [9, 8, 5], [1, 9, 5], [0, 8, 1], [8, 9, 1]]
-    mesh = as_mesh(refined(np.concatenate([CUBE, on_edge]), np.concatenate([triangles[~whole], fans]), 0.1))
+    far = CUBE * beside + 2  # another cube, so that the gaps are a small part of the whole
+    both = np.concatenate([CUBE, on_edge, far]), np.concatenate([triangles[~whole], fans, triangles + 10])
+    mesh = as_mesh(refined(*both, 0.3))
     check_mesh(mesh)
-    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == 2
-    assert mesh.areas.sum() == pytest.approx(6)
+    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == 4
+    assert mesh.areas.sum() == pytest.approx(6 + 6 * beside**2)
     assert mesh.areas.min() > 1e-5
 
 
