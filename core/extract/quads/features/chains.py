@@ -196,8 +196,8 @@ def _chain(
     """Vertices along one line without its corners, their positions along it, and the pairs of vertices between which
     faces are cut; None without a chain.
 
-    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut; ``near`` are (k,) vertices that
-    may lie on the line.
+    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut; ``near`` are (k,) vertices
+    that may lie on the line.
     """
     line, length = features.lines[number], features.lengths[number]
     ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
