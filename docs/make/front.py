@@ -30,7 +30,7 @@ from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 COMMANDS = {
     "stripes": ["stripes", "stanford-bunny.obj", "--view", "-20", "12"],
     "quads": ["quads", "spot.obj", "--view", "205", "12"],
-    "quad_mesh": ["quad_mesh", "spot.obj", "--faces", "1500", "--view", "205", "12"],
+    "quad_mesh": ["quad_mesh", "spot.obj", "--faces", "3000", "--view", "205", "12"],
 }
 # Where directions are shown, from where, at most how many streamlines, and their radius over the longest side.
 SHOWN, VIEW, STREAMLINES, RADIUS = "fertility.obj", (-20, 10), 400, 0.004

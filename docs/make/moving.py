@@ -36,7 +36,7 @@ SAMPLES, QUALITY = 16, 82
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMath", "ShaderNodeCombineColor")
 # Stripes along the longest side at both ends of the first knob's way; degrees by which the second one turns them.
 STRIPES, TURN = (20.0, 8.0), 90.0
-FACES = 1500
+FACES = 3000
 # Solved positions of a knob, and frames from one to the next.
 POSITIONS, BETWEEN = 9, 3
 # Variations of a solve of which one is shown.
