@@ -17,6 +17,8 @@ METHODS: tuple[str, ...] = tuple(choice.name for choice in solver.METHODS)
 DESCENT = "descent"
 FIRST = "first"
 COARSE = "coarse"
+# A rounding: a search on a coarse stage, and diffusion on the finest one, which moves lines of defects in space.
+COARSE_DIFFUSED = "coarse-diffused"
 ROUNDINGS: tuple[str, ...] = tuple(choice.name for choice in solver.ROUNDINGS)
 
 

@@ -34,7 +34,7 @@ from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
 from ..monitor import Callback, Monitor, Result, portion
 from ..settings.flow import FlowSettings
-from ..solution import COARSE
+from ..solution import COARSE_DIFFUSED
 from ..solve import Options
 
 # Radius of a filament's tube, and the least of the cores of curves that tubes can surround, in cells of the grid.
@@ -179,7 +179,7 @@ class FlowResult:
         """
         quantum, options = settings.quantum, Options.of(settings)
         if len(grid.masses) > _COARSE_ROUNDING and options.rounding == FlowSettings.rounding:
-            options = replace(options, rounding=COARSE)
+            options = replace(options, rounding=COARSE_DIFFUSED)
         more = _MORE_SOLVES if quantum is None else 0
         if quantum is None:
             sought = settings.share, settings.count, largest, settings.seed

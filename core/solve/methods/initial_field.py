@@ -31,6 +31,10 @@ COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
 # For a search on a coarse stage: steps of lifted descents before it, fields that are prolonged to the finest stage and
 # steps of the best one there.
 SEARCHED_STEPS, PROLONGED, LAST_STEPS = 20, 3, 20
+# Prolonged lines of defects stay between the coarse stage's nodes, where descent does not move them; diffusion does. Its
+# time, in units of 1 / density, and its steps, each of which gives fields to choose from; steps and tolerance of the
+# descent of the best ones.
+FREEING_TIME, FREEING_STEPS, FREED_STEPS, FREED_TOLERANCE = 0.15, 6, 150, 1e-6
 
 
 def coarse_field(
@@ -101,18 +105,32 @@ def search_without_relaxation(
 
 
 def search_after_relaxation(
-    workspace: Workspace, lifted: np.ndarray, samples: int, random: np.random.Generator, monitor: Monitor
+    workspace: Workspace,
+    lifted: np.ndarray,
+    samples: int,
+    random: np.random.Generator,
+    monitor: Monitor,
+    is_freed: bool = False,
 ) -> tuple[np.ndarray, bool]:
-    """As :func:`search_without_relaxation`, but from the (N, r) lifted field of a relaxation."""
+    """As :func:`search_without_relaxation`, but from the (N, r) lifted field of a relaxation.
+
+    With ``is_freed``, lines of defects are also moved on the finest stage by diffusion.
+    """
     finest = workspace.stages[0]
     coarser = [stage for stage in workspace.stages[1:2] if stage.node_count >= SMALLEST_START]
     for stage in coarser:
         lifted = stage.lifted.normalize(stage.restrict(lifted.astype(stage.matrix.dtype)))
-    return _search_on_stage(workspace, (coarser or [finest])[0], lifted, samples, random, monitor)
+    return _search_on_stage(workspace, (coarser or [finest])[0], lifted, samples, random, monitor, is_freed)
 
 
 def _search_on_stage(
-    workspace: Workspace, stage: Stage, lifted: np.ndarray, samples: int, random: np.random.Generator, monitor: Monitor
+    workspace: Workspace,
+    stage: Stage,
+    lifted: np.ndarray,
+    samples: int,
+    random: np.random.Generator,
+    monitor: Monitor,
+    is_freed: bool = False,
 ) -> tuple[np.ndarray, bool]:
     """The best field that a search on a stage finds, after descent on the finest, and whether time ran out."""
     finest, density = workspace.stages[0], stage.density(lifted)
@@ -124,12 +142,25 @@ def _search_on_stage(
     try:
         if not timed_out:
             monitor.at("polish", 0.9)
+            last = 1, LAST_STEPS, TOLERANCE
+            if is_freed and stage is not finest and density > 0:
+                columns, last = _diffused(finest, columns, density, monitor), (PROLONGED, FREED_STEPS, FREED_TOLERANCE)
+            kept, steps, tolerance = last
             columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
-            columns = _polish_columns(finest, columns[:, :1], density, LAST_STEPS, monitor)
+            columns = _polish_columns(finest, columns[:, :kept], density, steps, monitor, tolerance)
             monitor.check()
     except OutOfTime:
         timed_out = True
     return columns[:, :1], timed_out
+
+
+def _diffused(stage: Stage, columns: np.ndarray, density: float, monitor: Monitor) -> np.ndarray:
+    """(N * width, k) columns, and what each step of diffusion makes of them, beside them."""
+    metric = monitor.during(lambda: list(rounding.metrics(stage, np.array([FREEING_TIME]), density)))
+    made = [columns]
+    for _ in range(FREEING_STEPS):
+        made.append(diffuse(stage, made[-1], metric, 1, monitor))
+    return np.hstack(made)
 
 
 def descend_from(workspace: Workspace, column: np.ndarray, monitor: Monitor) -> np.ndarray:
@@ -148,11 +179,13 @@ def _prolong_to_finest(workspace: Workspace, stage: Stage, columns: np.ndarray) 
     return finest.candidates.normalize(np.hstack(rows))
 
 
-def _polish_columns(stage: Stage, columns: np.ndarray, density: float, steps: int, monitor: Monitor) -> np.ndarray:
+def _polish_columns(
+    stage: Stage, columns: np.ndarray, density: float, steps: int, monitor: Monitor, tolerance: float = TOLERANCE
+) -> np.ndarray:
     """Columns after up to ``steps`` of descent in the metric of fields, best first."""
     if stage.flips is not None:
         return rounding.lowest(stage, stage.flips.descend(columns), columns.shape[1])
     spheres = CirclesByFields(stage.block) if stage.is_circle else stage.candidates
     metric = monitor.during(partial(stage.metric, rounding.CANDIDATE_SHIFT * density))
-    found = descend(stage.matrix, spheres, columns, metric, TOLERANCE, steps, monitor)
+    found = descend(stage.matrix, spheres, columns, metric, tolerance, steps, monitor)
     return np.take(found.point, np.argsort(found.values, kind="stable"), axis=1)

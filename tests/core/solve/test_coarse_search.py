@@ -5,10 +5,13 @@
 import numpy as np
 import pytest
 
+from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
 from synch_fields.core.algebra.workers import solving
+from synch_fields.core.fields.clebsch import clebsch_problem, edge_integrals
 from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.interpolate import TURN
 from synch_fields.core.monitor import Monitor, OutOfTime
-from synch_fields.core.solution import COARSE
+from synch_fields.core.solution import COARSE, COARSE_DIFFUSED
 from synch_fields.core.solve import Certificate, Options, Status, solve
 from synch_fields.core.solve.methods.initial_field import search_without_relaxation
 from synch_fields.core.solve.methods.stage import Workspace
@@ -34,6 +37,17 @@ def test_energies_are_near_those_of_the_whole_solve(build):
         np.testing.assert_allclose(np.abs(solution.phases), 1)
     assert alone.status is Status.UNCERTIFIED and alone.lower_bound == 0 and alone.certificate is Certificate.NONE
     assert rounded.status is whole.status and rounded.lower_bound == pytest.approx(whole.lower_bound)
+
+
+def test_diffusion_moves_the_lines_of_defects_that_a_coarse_search_finds():
+    """Of a knotted vortex the energy comes nearer to that of the whole solve."""
+    grid = trefoil_grid((24, 24, 24))
+    problem = clebsch_problem(grid, edge_integrals(grid, trefoil_velocity(grid.places)), TURN * QUANTA / 6)
+    whole, coarse, diffused = (
+        solve(problem, Options(rounding=rounding)).energy for rounding in ("continuation", COARSE, COARSE_DIFFUSED)
+    )
+    assert whole * (1 - 1e-3) <= diffused <= 1.01 * whole
+    assert diffused - whole < (coarse - whole) / 2
 
 
 @pytest.mark.parametrize("build", BUILDS)
