@@ -12,6 +12,7 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
+from ..extract.quads.mirror import without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.curl_removal import keep_factors
@@ -267,6 +268,13 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
             f"{len(lost)} of {len(lengths)} lines of the boundary and of sharp edges are lost, {lost.sum():.3g} of "
             f"{lengths.sum():.3g} in length: reduce the spacing"
         )
+    for axis, normal in zip(request.settings.mirror, request.mirror_planes, strict=True):
+        alone = without_image(quads, normal)
+        if alone:
+            yield (
+                f"{alone} of {len(quads.vertices)} vertices of the quad mesh have no mirror image across {axis}: ask "
+                "for another number of faces"
+            )
     others = int((quads.sizes != 4).sum())
     if others and request.settings.branching == 0:
         yield f"{others} of {len(quads.sizes)} faces are not quads, although no branches are wanted: reduce the spacing"

@@ -275,14 +275,18 @@ class SurfaceRequest:
             check_quads(quads, self.given.mesh)
         return quads, clock.seconds
 
+    @property
+    def mirror_planes(self) -> np.ndarray:
+        """(k, 3) normals of the planes through the origin in which the pattern is mirrored."""
+        return np.linalg.inv(self.given.stretch)[["XYZ".index(axis) for axis in self.settings.mirror]]
+
     def finish(self, quads: QuadMesh, seconds: dict[str, float]) -> _Finished:
         """The finished mesh of a traced one, and the seconds of tracing and finishing."""
         clock = Clock()
         clock.add(seconds)
         with clock("extract"):
-            planes = np.linalg.inv(self.given.stretch)[["XYZ".index(axis) for axis in self.settings.mirror]]
-            smoothing = self.settings.smoothing
-            quads = finish_quads(quads, self.given.mesh, self.rows, planes, smoothing, self.has_only_quads)
+            rules = self.mirror_planes, self.settings.smoothing, self.has_only_quads
+            quads = finish_quads(quads, self.given.mesh, self.rows, *rules)
         return {"quads": quads, "seconds": clock.seconds}
 
     def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:

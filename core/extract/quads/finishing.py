@@ -87,7 +87,9 @@ def finish_quads(
     for unit, mate in zip(units, mates, strict=True):
         # Partners that were too near to others to be paired may be distinct by now.
         partner = partners(quads, unit) if mate is None else mate
-        if partner is not None:
+        if partner is None:
+            quads = mirror_half(quads, mesh, unit)
+        else:
             quads = replace(quads, vertices=average_with_partners(quads.vertices, partner, unit))
     return quads
 

@@ -15,6 +15,8 @@ ON_PLANE = 1e-5
 # Largest distance, in mean edge lengths, of a vertex from the mirror image of its partner, and from its own if it is
 # put onto the plane.
 PARTNER_REACH, OWN_REACH = 0.3, 0.5
+# Vertices that are nearer than this to a mirror image, in mean edge lengths, have one.
+_SAME = 0.01
 
 
 def mirror_half(quads: QuadMesh, mesh: TriangleMesh, normal: np.ndarray) -> QuadMesh:
@@ -82,6 +84,12 @@ def partners(quads: QuadMesh, normal: np.ndarray) -> np.ndarray | None:
     apart, partner = _images(quads, normal / np.linalg.norm(normal))
     is_near = apart.max(initial=0) <= PARTNER_REACH * quads.edge_lengths.mean()
     return partner if is_near and (partner[partner] == np.arange(len(partner))).all() else None
+
+
+def without_image(quads: QuadMesh, normal: np.ndarray) -> int:
+    """How many vertices are farther than a hundredth of a mean edge from all mirror images."""
+    apart, _ = _images(quads, normal / np.linalg.norm(normal))
+    return int(np.count_nonzero(apart > _SAME * quads.edge_lengths.mean()))
 
 
 def _images(quads: QuadMesh, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -31,7 +31,7 @@ COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
 # For a search on a coarse stage: steps of lifted descents before it, fields that are prolonged to the finest stage and
 # steps of the best one there.
 SEARCHED_STEPS, PROLONGED, LAST_STEPS = 20, 3, 20
-# Prolonged lines of defects stay between the coarse stage's nodes, where descent does not move them; diffusion does. Its
+# Prolonged lines of defects stay between the coarse nodes, where descent does not move them; diffusion does. Its
 # time, in units of 1 / density, and its steps, each of which gives fields to choose from; steps and tolerance of the
 # descent of the best ones.
 FREEING_TIME, FREEING_STEPS, FREED_STEPS, FREED_TOLERANCE = 0.15, 6, 150, 1e-6
