@@ -6,6 +6,7 @@ A limit on the size of files stands for the full disk: what goes beyond it is re
 """
 
 import json
+import logging
 import os
 import re
 import struct
@@ -287,6 +288,7 @@ def damaged_glb(text):
     ids=range(7),
 )
 def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback(tmp_path, content, capfd):
+    logging.getLogger("glTFImporter").handlers.clear()  # they write to the closed streams of earlier tests
     path = tmp_path / "bad.glb"
     path.write_bytes(content)
     status, out, errors = run(capfd, "info", path)
