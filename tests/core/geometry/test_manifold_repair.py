@@ -340,7 +340,7 @@ def test_the_lines_name_elements_and_what_is_done():
     lines = {finding.name: finding.line for finding in found.findings}
     assert lines["non_manifold_edges"] == (
         "the edge between vertices 0 and 1 and 1 more have three or more faces: "
-        "those that bend least stay joined, others come apart"
+        "the two that bend least stay joined, others are separated"
     )
 
 
