@@ -96,6 +96,11 @@ class Options:
         """Take the options from settings."""
         return cls(**{item.name: getattr(settings, item.name) for item in fields(SolverSettings)})
 
+    @property
+    def rounds_coarsely(self) -> bool:
+        """Whether the search for phases is made on a coarse stage."""
+        return self.rounding in (COARSE, COARSE_DIFFUSED)
+
 
 @dataclass(frozen=True)
 class Solution:

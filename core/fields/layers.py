@@ -191,8 +191,10 @@ class LayerPattern:
 
     @cached_property
     def heights(self) -> np.ndarray:
-        """(n,) radians, how high each vertex is in the stack of layers, 0 at the lowest of each piece: the function
-        without dislocations whose changes are nearest to those of the phase."""
+        """(n,) radians, height of each vertex in the stack of layers, 0 at the lowest vertex of each piece.
+
+        It is the function whose changes along edges are nearest to those of the phase; it has no dislocations.
+        """
         return potential(self.mesh, self.edge_phases.changes[:, 0])
 
     def divided(self, count: int) -> "LayerPattern":
@@ -235,7 +237,7 @@ class LayerPattern:
 def choose_levels(one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], divisions: int) -> list[LayerGroup]:
     """Choose the level of each group of given phase among the ``divisions`` layers of a period.
 
-    The first group keeps its level, the others get those that fit the one-form best.
+    The first group keeps its level; for each other group the level that fits the one-form best is chosen.
 
     Parameters
     ----------

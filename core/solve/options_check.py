@@ -7,7 +7,7 @@ from ..errors import SettingError
 from ..problem import SynchronizationProblem
 from ..settings.setting import records
 from ..settings.solver import SolverSettings
-from ..solution import COARSE, COARSE_DIFFUSED, DESCENT, FIRST, METHODS, Options, Solution
+from ..solution import COARSE, DESCENT, FIRST, METHODS, Options, Solution
 
 _RECORDS = dict(records(SolverSettings))
 
@@ -28,7 +28,7 @@ def check_options(options: Options, problem: SynchronizationProblem, start: Solu
         raise SettingError("the method 'descent' goes on from a start: give one")
     if options.method not in (*METHODS, DESCENT, FIRST, COARSE):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
-    if options.rounding not in (COARSE, COARSE_DIFFUSED):
+    if not options.rounds_coarsely:
         _RECORDS["rounding"].check("rounding", options.rounding)
     for name in ("target_gap", "time_limit"):
         _RECORDS[name].check(name, getattr(options, name))

@@ -17,18 +17,7 @@ from ..monitor import Callback, Monitor, OutOfTime
 from ..piece import Piece
 from ..pieces import Pieces
 from ..problem import SynchronizationProblem
-from ..solution import (
-    COARSE,
-    COARSE_DIFFUSED,
-    DESCENT,
-    FIRST,
-    Certificate,
-    Clock,
-    Options,
-    Solution,
-    Status,
-    relative_gap,
-)
+from ..solution import COARSE, DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
 from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
@@ -368,7 +357,7 @@ def _round(task: _Task, workspace: Workspace, relaxation: Relaxation) -> tuple[n
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, options, monitor = task.piece, task.options, task.monitor
     stage, lifted = workspace.stages[0], relaxation.lifted
-    start = task.start.column if options.rounding in ("polish", "continuation", COARSE, COARSE_DIFFUSED) else None
+    start = None if options.rounding in ("svd", "random") else task.start.column
     leading = lifted[:, : piece.width].reshape(-1, 1)
     columns = by_svd = stage.candidates.normalize(leading) if start is None else start
     if options.rounding == "svd" or relaxation.out_of_time:
@@ -382,9 +371,8 @@ def _round(task: _Task, workspace: Workspace, relaxation: Relaxation) -> tuple[n
             columns = rounding.projections(stage, lifted, directions, rounding.ALONE.kept, monitor).astype(lifted.dtype)
             if options.rounding == "random":
                 return columns, False
-        if options.rounding in (COARSE, COARSE_DIFFUSED) and start is None:
-            is_freed = options.rounding == COARSE_DIFFUSED
-            return search_after_relaxation(workspace, lifted, options.samples, random, monitor, is_freed)
+        if options.rounds_coarsely and start is None:
+            return search_after_relaxation(workspace, lifted, options, random, monitor)
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])

@@ -249,8 +249,8 @@ class _Arcs:
     ways : (n,) distances from the start of the line, in periods
     following, lines : (n,) next point, and line
     wholes : (l,) whole number of periods of closed lines, 0 for open ones
-    apart : distance between consecutive lines in the tree's fourth coordinate, more than any in space: a query finds
-        points of its own line only
+    apart : distance between consecutive lines in the tree's fourth coordinate, larger than all distances in space, so
+        that a query finds only points of the same line
     """
 
     points: np.ndarray

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...monitor import Monitor, OutOfTime
 from ...piece import Piece
+from ...solution import COARSE_DIFFUSED, Options
 from . import rounding
 from .descent import descend
 from .diffusion import diffuse
@@ -105,22 +106,18 @@ def search_without_relaxation(
 
 
 def search_after_relaxation(
-    workspace: Workspace,
-    lifted: np.ndarray,
-    samples: int,
-    random: np.random.Generator,
-    monitor: Monitor,
-    is_freed: bool = False,
+    workspace: Workspace, lifted: np.ndarray, options: Options, random: np.random.Generator, monitor: Monitor
 ) -> tuple[np.ndarray, bool]:
     """As :func:`search_without_relaxation`, but from the (N, r) lifted field of a relaxation.
 
-    With ``is_freed``, lines of defects are also moved on the finest stage by diffusion.
+    With the rounding :data:`COARSE_DIFFUSED`, diffusion also moves lines of defects on the finest stage.
     """
     finest = workspace.stages[0]
     coarser = [stage for stage in workspace.stages[1:2] if stage.node_count >= SMALLEST_START]
     for stage in coarser:
         lifted = stage.lifted.normalize(stage.restrict(lifted.astype(stage.matrix.dtype)))
-    return _search_on_stage(workspace, (coarser or [finest])[0], lifted, samples, random, monitor, is_freed)
+    is_freed = options.rounding == COARSE_DIFFUSED
+    return _search_on_stage(workspace, (coarser or [finest])[0], lifted, options.samples, random, monitor, is_freed)
 
 
 def _search_on_stage(
@@ -142,10 +139,10 @@ def _search_on_stage(
     try:
         if not timed_out:
             monitor.at("polish", 0.9)
-            last = 1, LAST_STEPS, TOLERANCE
+            kept, steps, tolerance = 1, LAST_STEPS, TOLERANCE
             if is_freed and stage is not finest and density > 0:
-                columns, last = _diffused(finest, columns, density, monitor), (PROLONGED, FREED_STEPS, FREED_TOLERANCE)
-            kept, steps, tolerance = last
+                columns = _diffused(finest, columns, density, monitor)
+                kept, steps, tolerance = PROLONGED, FREED_STEPS, FREED_TOLERANCE
             columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
             columns = _polish_columns(finest, columns[:, :kept], density, steps, monitor, tolerance)
             monitor.check()

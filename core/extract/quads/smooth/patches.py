@@ -47,7 +47,8 @@ def faces_near(quads: QuadMesh, points: np.ndarray) -> np.ndarray:
 class Ground:
     """The surface, and (s, 3) sample points on it that quads should be near to.
 
-    ``quads`` are those of the first patches: samples are near the same faces when vertices have moved a little.
+    ``quads`` is the mesh before smoothing. The faces near each sample are found once, on it, since smoothing moves
+    vertices by little.
     """
 
     mesh: TriangleMesh
