@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Beads that cover layers: contours or planes a step apart, and beads where contours leave a gap."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -44,7 +45,7 @@ class Beads:
     ----------
     lines : Isolines over the triangles of the layers
     layers : (l,) the layer of each line, ascending
-    kinds : (l,) 0 for a contour beside the rim, 1 for other lines, 2 where a bead fills a gap
+    kinds : (l,) 0 for a contour beside the rim, 1 for other lines, 2 where a bead fills a gap, 3 for sparse infill
     widths : (n,) at the lines' points: about the step, and such that the beads have the area of the layers
     covered : (c,) share of each layer's area that is covered, see :mod:`.coverage`
     covered_share : of all layers
@@ -84,7 +85,7 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
     inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
     found = lines, layers, inner.astype(int), np.full(len(lines.triangles), float(step))
-    rim = _rim(surfaces, step)
+    rim = distances_to_rims(surfaces, step)
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
     away = _away(lines, layers, step)
@@ -157,7 +158,7 @@ def _on_parents(lines: Isolines, mesh: TriangleMesh, parents: np.ndarray) -> Iso
     return replace(lines, mesh=mesh, triangles=triangles, weights=barycentric(mesh, triangles, lines.points))
 
 
-def _rim(surfaces: LayerSurfaces, step: float) -> BeadDistances:
+def distances_to_rims(surfaces: LayerSurfaces, step: float) -> BeadDistances:
     """:class:`BeadDistances` of the layers' rims."""
     begins, ends, layers = rim_pieces(surfaces)
     return BeadDistances(begins, ends, layers, step)
@@ -175,17 +176,23 @@ def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: B
     free = np.minimum(away(points, at) - step / 2, rim(points, at))
     places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points)
     ends = np.array([[End.CLOSED if bead.closed else End.BOUNDARY] * 2 for bead in more])
-    sizes, of = np.append(lines.sizes, sizes), np.append(layers, of)
+    added = Isolines(mesh, triangles, barycentric(mesh, triangles, places), sizes, ends)
+    narrow = np.clip(2 * free, NARROWEST * step, step)
+    return join_lines([found, (added, of, np.full(len(more), _GAP), narrow)])
+
+
+def join_lines(parts: Sequence[_Found]) -> _Found:
+    """Lines on one mesh as one set, ordered by layer."""
+    lines, layers, kinds, widths = zip(*parts, strict=True)
+    sizes, of = np.concatenate([part.sizes for part in lines]), np.concatenate(layers)
     order = np.argsort(of, kind="stable")
     run, place = ragged_arange(sizes[order])
     points = (np.cumsum(sizes) - sizes)[order][run] + place
     joined = Isolines(
-        mesh,
-        np.append(lines.triangles, triangles)[points],
-        np.concatenate([lines.weights, barycentric(mesh, triangles, places)])[points],
+        lines[0].mesh,
+        np.concatenate([part.triangles for part in lines])[points],
+        np.concatenate([part.weights for part in lines])[points],
         sizes[order],
-        np.concatenate([lines.ends, ends])[order],
+        np.concatenate([part.ends for part in lines])[order],
     )
-    narrow = np.clip(2 * free, NARROWEST * step, step)
-    kinds = np.append(kinds, np.full(len(more), _GAP))[order]
-    return joined, of[order], kinds, np.append(widths, narrow)[points]
+    return joined, of[order], np.concatenate(kinds)[order], np.concatenate(widths)[points]

@@ -62,8 +62,7 @@ def flat_below(
     """
     up = surfaces.mesh.face_normals[0]
     side = np.sign(normals[0] @ up)
-    u = np.cross(up, np.eye(3)[np.abs(up).argmin()])
-    flat = np.stack([u / np.linalg.norm(u), np.cross(up, u / np.linalg.norm(u))])
+    flat = across(up)
     begins, ends, of = rim_pieces(surfaces)
     heights = np.zeros(surfaces.count)
     heights[surfaces.layers] = surfaces.vertices[surfaces.triangles[:, 0]] @ up
@@ -81,14 +80,24 @@ def flat_below(
             ways[inside], found[inside] = np.abs(heights[layers[inside]] - heights[layer]), layer
     left = np.flatnonzero(found == NOTHING)
     if len(left):
-        ways[left] = _ways_out(solid, points[left], -side * up, flat)
+        ways[left] = ways_out(solid, points[left], -side * up, flat)
         found[left] = np.where(np.isfinite(ways[left]), OUTSIDE, NOTHING)
         ways[left] = np.where(np.isfinite(ways[left]), ways[left], spacing)
     return Below(ways, found)
 
 
-def _ways_out(solid: TetMesh, points: np.ndarray, direction: np.ndarray, flat: np.ndarray) -> np.ndarray:
-    """(n,) ways from points along a direction to the solid's boundary, infinite where there is none."""
+def across(direction: np.ndarray) -> np.ndarray:
+    """(2, 3) unit vectors across a unit vector and each other."""
+    first = np.cross(direction, np.eye(3)[np.abs(direction).argmin()])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first)])
+
+
+def ways_out(solid: TetMesh, points: np.ndarray, direction: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    """(n,) ways from points along a direction to the solid's boundary, infinite where there is none.
+
+    ``flat`` is (2, 3), two unit vectors across the direction and each other.
+    """
     mesh = solid.boundary_surface[0]
     facing = mesh.face_normals @ direction > 0
     corners = mesh.vertices[mesh.triangles[facing]]
@@ -97,13 +106,13 @@ def _ways_out(solid: TetMesh, points: np.ndarray, direction: np.ndarray, flat: n
     centres = (a + b + c) / 3
     around = np.sqrt(np.max([np.square(corner - centres).sum(axis=1).max() for corner in (a, b, c)]))
     tree, places, ways = cKDTree(centres), points @ flat.T, np.full(len(points), np.inf)
-    doubled = _across(b - a, c - a)
+    doubled = _cross(b - a, c - a)
     doubled[doubled == 0] = np.inf
     for part in np.array_split(np.arange(len(points)), max(1, len(points) // 4096)):
         which, target = pairs_within(tree, places[part], around)
         away = places[part][which] - a[target]
-        second = _across(away, (c - a)[target]) / doubled[target]
-        third = _across((b - a)[target], away) / doubled[target]
+        second = _cross(away, (c - a)[target]) / doubled[target]
+        third = _cross((b - a)[target], away) / doubled[target]
         inside = (second >= -_SLACK) & (third >= -_SLACK) & (second + third <= 1 + _SLACK)
         first = depths[target, 0]
         at = first + second * (depths[target, 1] - first) + third * (depths[target, 2] - first)
@@ -113,7 +122,7 @@ def _ways_out(solid: TetMesh, points: np.ndarray, direction: np.ndarray, flat: n
     return ways
 
 
-def _across(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
 
 

@@ -23,7 +23,7 @@ _NEAR = 4.0
 # What is printed so near to a short travel, in steps, may be in its way.
 _AROUND = 1.5
 # What beads are, as previews of G-code call it.
-SKIRT, WALL, INNER, GAP = "Skirt/Brim", "External perimeter", "Perimeter", "Gap infill"
+SKIRT, WALL, INNER, GAP, SPARSE = "Skirt/Brim", "External perimeter", "Perimeter", "Gap infill", "Internal infill"
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Heights of beads: the distance from each place on a layer down to the next layer, or to the end of the solid."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..extract.layers.surfaces import LayerSurfaces
+from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within
 from .subdivision import subdivide
@@ -53,18 +56,40 @@ def below(
     layers : (n,) number of each point's layer
     spacing : mean distance of layers; the search ends at three of them, with NOTHING at that height
     """
-    sides, parents = zip(
-        *(subdivide(mesh, _SIZE * spacing, _MOST) for mesh in (surfaces.mesh, solid.boundary_surface[0])), strict=True
-    )
-    layer_of = np.append(surfaces.layers[parents[0]], np.full(len(parents[1]), OUTSIDE))
+    meshes = (surfaces.mesh, solid.boundary_surface[0])
+    kinds = (surfaces.layers, np.full(meshes[1].triangle_count, OUTSIDE))
+    return _search(meshes, kinds, points, normals, layers, spacing, _DEPTH)
+
+
+def ways_to_end(
+    solid: TetMesh, points: np.ndarray, normals: np.ndarray, spacing: float, depth: float
+) -> np.ndarray:
+    """(n,) ways from points against their normals to the end of the solid, or ``depth`` times the spacing if shorter."""
+    mesh = solid.boundary_surface[0]
+    kinds = (np.full(mesh.triangle_count, OUTSIDE),)
+    return _search((mesh,), kinds, points, normals, np.full(len(points), NOTHING), spacing, depth).heights
+
+
+def _search(
+    meshes: Sequence[TriangleMesh],
+    kinds: Sequence[np.ndarray],
+    points: np.ndarray,
+    normals: np.ndarray,
+    layers: np.ndarray,
+    spacing: float,
+    depth: float,
+) -> Below:
+    """Find the first triangle of some meshes against the normals, with its kind, a layer or OUTSIDE."""
+    sides, parents = zip(*(subdivide(mesh, _SIZE * spacing, _MOST) for mesh in meshes), strict=True)
+    layer_of = np.concatenate([kind[parent] for kind, parent in zip(kinds, parents, strict=True)])
     a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh in sides]), 1, 0)
     centres = (a + b + c) / 3
     around = np.sqrt(np.max([np.square(corner - centres).sum(axis=1) for corner in (a, b, c)]))
     tree = cKDTree(centres)
-    heights = np.full(len(points), _DEPTH * spacing)
+    heights = np.full(len(points), depth * spacing)
     found = np.full(len(points), NOTHING)
     going, stride = np.arange(len(points)), _STRIDE * spacing
-    for number in range(round(_DEPTH / _STRIDE)):
+    for number in range(math.ceil(depth / _STRIDE)):
         middles = points[going] - (number + 0.5) * stride * normals[going]
         for part in np.array_split(np.arange(len(going)), max(1, len(going) // 4096)):
             rays = going[part]

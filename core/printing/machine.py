@@ -61,6 +61,8 @@ class Machine:
     seam : where beads that close begin: at the place that is "nearest", or at their "back", the largest Y, where they
         make one seam
     hop : shorter ways to another bead of the same layer need neither
+    walls, skins, infill : contours beside the rim, layers at the bottom and the top that are filled, and share of the
+        volume between them; 1 fills the part
     skirt, skirt_distance : lines around the first layer, and their distance from it; 0 makes them a brim
     nozzle_temperature, bed_temperature : degrees, 0 for no heating
     fan, fan_from : share of its speed, and the layer from which on it runs
@@ -101,6 +103,9 @@ class Machine:
     lift: float = 0.5
     hop: float = 0.0
     seam: str = "nearest"
+    walls: int = 2
+    skins: int = 4
+    infill: float = 1.0
     skirt: int = 0
     skirt_distance: float = 5.0
     nozzle_temperature: float = 0.0
@@ -126,15 +131,16 @@ class Machine:
         not_negative = (
             *("bed_width", "bed_depth", "bed_height", "bore", "smallest_height", "first_feed", "largest_flow"),
             *("tolerance", "retraction", "lift", "hop", "skirt", "skirt_distance", "nozzle_temperature"),
-            *("bed_temperature", "fan", "fan_from"),
+            *("bed_temperature", "fan", "fan_from", "walls", "skins", "infill"),
         )
         for name in not_negative:
             if not 0 <= getattr(self, name) < math.inf:
                 raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give a number from 0 on")
         if self.skirt > 100:
             raise SettingError(f"the skirt is {quote_value(self.skirt)}: give 100 lines or fewer")
-        if self.fan > 1:
-            raise SettingError(f"the fan is {self.fan:g}: give a share from 0 to 1")
+        for name in ("fan", "infill"):
+            if getattr(self, name) > 1:
+                raise SettingError(f"the {name} is {getattr(self, name):g}: give a share from 0 to 1")
         if not self.largest_height > self.smallest_height:
             raise SettingError(f"the largest_height is {self.largest_height:g}: give more than the smallest_height")
         for name in ("nozzle_angle", "largest_tilt"):

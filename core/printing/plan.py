@@ -16,13 +16,13 @@ from ..graphs import pairs_within, ragged_arange
 from .beads import Beads
 from .coverage import even_along, point_lengths
 from .flat import flat_below, is_flat
-from .gcode import GAP, INNER, WALL, Course
+from .gcode import GAP, INNER, SPARSE, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
 from .order import count_levels, layer_order, order_lines
 from .reach import collisions, tilts, tool_axes
 
-KINDS = (WALL, INNER, GAP)
+KINDS = (WALL, INNER, GAP, SPARSE)
 # What is this near to the lowest place, in spacings, lies on the bed.
 _ON_BED = 0.5
 # A bead leans on an earlier layer that is no farther than this, in spacings: 45 degrees aside of what is below.

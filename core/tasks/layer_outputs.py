@@ -16,6 +16,7 @@ from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
 from ..monitor import Callback, Monitor
 from ..printing.beads import Beads, contour_beads, plane_beads
+from ..printing.infill import sparse_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
 from ..validation import check_choice, convert_value
@@ -117,9 +118,12 @@ class PathsRequest:
         return monitor.during(lambda: self._plan(beads))
 
     def _make_beads(self) -> Beads:
-        fill = self.settings.fill
+        fill, machine = self.settings.fill, self.settings.machine
         if fill == "contour":
-            return contour_beads(self.surfaces, self.step)
+            beads = contour_beads(self.surfaces, self.step)
+            if machine.infill == 1 or not len(beads.lines.sizes):
+                return beads
+            return sparse_beads(self.surfaces, self.solid, beads, self.step, self.spacing, machine)
         return plane_beads(self.surfaces, self.surfaces.vertices[:, "xyz".index(fill[-1])], self.step)
 
     def _plan(self, beads: Beads) -> PrintPlan:
