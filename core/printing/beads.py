@@ -166,10 +166,9 @@ def distances_to_rims(surfaces: LayerSurfaces, step: float) -> BeadDistances:
 
 def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: BeadDistances, step: float) -> _Found:
     """Lines, layers, kinds and widths with those of more beads, put onto the layers, ordered by layer."""
-    lines, layers, kinds, widths = found
     if not more:
         return found
-    mesh = lines.mesh
+    mesh = found[0].mesh
     points = np.concatenate([bead.points for bead in more])
     sizes, of = np.array([len(bead.points) for bead in more]), np.array([bead.layer for bead in more])
     at = np.repeat(of, sizes)

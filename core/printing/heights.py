@@ -61,10 +61,8 @@ def below(
     return _search(meshes, kinds, points, normals, layers, spacing, _DEPTH)
 
 
-def ways_to_end(
-    solid: TetMesh, points: np.ndarray, normals: np.ndarray, spacing: float, depth: float
-) -> np.ndarray:
-    """(n,) ways from points against their normals to the end of the solid, or ``depth`` times the spacing if shorter."""
+def ways_to_end(solid: TetMesh, points: np.ndarray, normals: np.ndarray, spacing: float, depth: float) -> np.ndarray:
+    """(n,) ways from points against their normals to the end of the solid, ``depth`` times the spacing at most."""
     mesh = solid.boundary_surface[0]
     kinds = (np.full(mesh.triangle_count, OUTSIDE),)
     return _search((mesh,), kinds, points, normals, np.full(len(points), NOTHING), spacing, depth).heights

@@ -28,7 +28,8 @@ def sparse_beads(
     """Keep the walls and skins of :class:`Beads` that fill a solid, and put crossing lines into the rest.
 
     Walls lie beside the rims of layers. In skins the solid ends within a number of layers above or below. The lines in
-    the rest run diagonally, one layer this and the next the other way, and have the machine's share of the volume.
+    the rest lie in diagonal planes, one layer this and the next the other way, and have the machine's share of the
+    volume; where layers are steep against the mean normal, less.
 
     Parameters
     ----------
@@ -47,7 +48,9 @@ def sparse_beads(
         deep[deep] = _in_core(surfaces, solid, points[deep], normals[deep], spacing, machine.skins)
         return deep
 
-    walls, of, points = _cut_lines(beads.lines, ~is_deep(beads.lines, beads.layers, machine.walls * step), _SHORT * step)
+    walls, of, points = _cut_lines(
+        beads.lines, ~is_deep(beads.lines, beads.layers, machine.walls * step), _SHORT * step
+    )
     parts = [(walls, beads.layers[of], beads.kinds[of], beads.widths[points])]
     if machine.infill:
         lines, layers = _diagonals(surfaces, spacing, step / machine.infill)

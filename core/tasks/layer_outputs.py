@@ -37,6 +37,7 @@ class PathSettings:
     step : distance between paths in scene units; None for the machine's bore, or the mean spacing of the layers
     fill : "contour" for paths inside one another, the first half a step from the rim, and one along the middle of the
         remaining space; "across-x" and so on for paths in planes across an axis of the object, a step apart
+    machine : its ``walls``, ``skins`` and ``infill`` say where contours fill the solid
     """
 
     step: float | None = None
@@ -46,6 +47,8 @@ class PathSettings:
     def __post_init__(self) -> None:
         convert_value("fill", str, self.fill)
         check_choice(self, "fill", FILLS)
+        if self.fill != FILLS[0] and self.machine.infill < 1:
+            raise SettingError(f"an infill of {self.machine.infill:g} needs walls: choose the fill {FILLS[0]}")
         if self.step is not None and not 0 < convert_value("step", float, self.step) < math.inf:
             raise SettingError(f"the step between paths is {quote_value(self.step)}: give a positive number")
 

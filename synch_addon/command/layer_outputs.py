@@ -37,6 +37,9 @@ def add_arguments(command):
         metavar="LENGTH",
         help="between two paths; default: the nozzle's width, or the spacing",
     )
+    command.add_argument(
+        "--infill", type=float, metavar="SHARE", help="of the volume between walls and skins; default: the machine's, 1"
+    )
     add_choice(command, "--path-fill", FILLS, FILLS[0], "how paths fill a layer")
     command.add_argument("--beads", choices=LOOKS, help="make a mesh of the beads of the paths, in colours of this")
     command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")
@@ -50,7 +53,7 @@ def _machine(options):
 
 def check(options):
     """Refuse outputs that cannot be written, before any work."""
-    PathSettings(options.path_step, options.path_fill, machine_of(_machine(options)))
+    PathSettings(options.path_step, options.path_fill, machine_of(_machine(options), infill=options.infill))
     if options.export_layers:
         check_output(options.export_layers, MESH_SUFFIXES)
     if options.export_paths:
@@ -80,7 +83,8 @@ def write(options, obj):
         reports.append(api.layer_export(obj, options.export_layers))
     paths = [path for path in (options.export_paths, options.export_gcode) if path]
     for path in paths or ([None] if options.beads else []):
-        facts = api.layer_toolpaths(obj, options.path_step, options.path_fill, path, _machine(options), options.beads)
+        asked = options.path_step, options.path_fill, path, _machine(options), options.beads, options.infill
+        facts = api.layer_toolpaths(obj, *asked)
         reports.append(facts)
     if facts is not None:
         lines += [print_line(facts), *([program_line(facts)] if "program" in facts else [])]

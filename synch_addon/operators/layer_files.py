@@ -38,6 +38,16 @@ _MACHINE = StringProperty(
 )
 
 
+_INFILL = FloatProperty(
+    name="Infill",
+    description="Share of the volume between walls and skins that paths fill; 1 for what the machine's file says",
+    default=1.0,
+    min=0.0,
+    max=1.0,
+    subtype="FACTOR",
+)
+
+
 _BEADS = EnumProperty(
     name="Beads",
     description="Also make a mesh of the beads, as wide and as high as they are printed",
@@ -117,6 +127,7 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     fill: _FILL
     step: _STEP
     machine: _MACHINE
+    infill: _INFILL
     beads: _BEADS
 
     def _job(self, context):
@@ -139,6 +150,7 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     fill: _FILL
     step: _STEP
     machine: _MACHINE
+    infill: _INFILL
 
     def check(self, context):
         """Keep the suffixes .obj and .gcode, which the helper would replace."""
@@ -177,7 +189,8 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
 
 def _path_settings(operator, path=None):
     """The :class:`PathSettings` of an operator that may write to a path."""
-    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None, path))
+    infill = None if operator.infill == 1 else operator.infill
+    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None, path, infill))
 
 
 def _report_files(report):

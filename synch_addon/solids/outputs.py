@@ -2,6 +2,7 @@
 """The part of the Python API that brings the last layers of an object out: files, tool paths and a volume."""
 
 from contextlib import nullcontext
+from dataclasses import replace
 from os import PathLike
 
 import bpy
@@ -60,6 +61,7 @@ def layer_toolpaths(
     path: str | PathLike[str] | None = None,
     machine: str | PathLike[str] | None = None,
     beads: str | None = None,
+    infill: float | None = None,
 ) -> Json:
     """Make a curve object of paths for a tool on each of the last layers of an object, in a collection of their own.
 
@@ -69,16 +71,16 @@ def layer_toolpaths(
     step, fill : see :class:`PathSettings`
     path : write them to this file (.csv, .obj, .gcode) as well
     machine : name of a printer, or .toml file of one, see :class:`Machine`; None for ``marlin`` in a program
-
     beads : make a mesh of the beads as wide and as high as they are printed, in colours of their "layer", "height",
         "tilt" or "speed"
+    infill : share of the volume between walls and skins that beads fill, 1 for all; None for the machine's
 
     Returns a dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what
     :func:`print_facts` tells.
 
     Raises SynchError with one line that names the element and the remedy; nothing is made.
     """
-    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path, beads))
+    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path, infill)), path, beads))
 
 
 def layer_volume(obj: bpy.types.Object, path: str | PathLike[str], resolution: int = 128) -> Json:
@@ -122,13 +124,15 @@ class _OutputJob:
                 return {"status": "made", "command": self.command, "object": obj.name, **facts}
 
 
-def machine_of(machine, path=None):
+def machine_of(machine, path=None, infill=None):
     """The :class:`Machine` of a name or of a file whose name may begin with //; without one, the usual machine where a
-    program is written to a path, else one that does not limit anything."""
+    program is written to a path, else one that does not limit anything. A share of infill replaces the machine's."""
     if machine is None:
         is_program = isinstance(path, str | PathLike) and str(path).lower().endswith(files.PROGRAM)
-        return read_machine(USUAL) if is_program else Machine()
-    return read_machine(machine if isinstance(machine, str) and machine in MACHINES else _absolute(machine))
+        found = read_machine(USUAL) if is_program else Machine()
+    else:
+        found = read_machine(machine if isinstance(machine, str) and machine in MACHINES else _absolute(machine))
+    return found if infill is None else replace(found, infill=infill)
 
 
 class PathsJob(_OutputJob):

@@ -97,7 +97,7 @@ def _places(plan, chosen):
 
 def _about_print(facts, step):
     machine, share = facts["machine"], facts["volume"]["share"]
-    if abs(share - 1) > VOLUME:
+    if machine["infill"] == 1 and abs(share - 1) > VOLUME:
         remedy = "reduce the step" if share < 1 else "take fewer or lower layers, or a smaller step"
         yield f"the beads have {share:.1%} of the solid's volume: {remedy}"
     bore = machine["bore"]
@@ -140,10 +140,11 @@ def _about_print(facts, step):
 
 def print_line(report):
     """What a person wants to read of printed paths."""
-    heights, tilts, volume = report["heights"], report["tilts"], report["volume"]
+    heights, tilts, volume, infill = report["heights"], report["tilts"], report["volume"], report["machine"]["infill"]
+    filled = f"cover {report['covered']:.1%} of the layers" if infill == 1 else f"{infill:.0%} between walls and skins"
     return (
-        f"{count_text(report['paths'], 'path')}, {report['length']:.4g} long in all, cover {report['covered']:.1%} of "
-        f"the layers; heights {heights['low']:.3g} to {heights['high']:.3g}, tilt up to {tilts['high']:.0f} degrees, "
+        f"{count_text(report['paths'], 'path')}, {report['length']:.4g} long in all, {filled}; "
+        f"heights {heights['low']:.3g} to {heights['high']:.3g}, tilt up to {tilts['high']:.0f} degrees, "
         f"{report['overhangs']['share']:.1%} on air, {report['collisions']['share']:.1%} in the tool's way; "
         f"{volume['share']:.1%} of the solid's volume"
     )
