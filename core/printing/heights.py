@@ -70,17 +70,17 @@ def ways_to_end(solid: TetMesh, points: np.ndarray, normals: np.ndarray, spacing
 
 def _search(
     meshes: Sequence[TriangleMesh],
-    kinds: Sequence[np.ndarray],
+    labels: Sequence[np.ndarray],
     points: np.ndarray,
     normals: np.ndarray,
     layers: np.ndarray,
     spacing: float,
     depth: float,
 ) -> Below:
-    """Find the first triangle of some meshes against the normals, with its kind, a layer or OUTSIDE."""
-    sides, parents = zip(*(subdivide(mesh, _SIZE * spacing, _MOST) for mesh in meshes), strict=True)
-    layer_of = np.concatenate([kind[parent] for kind, parent in zip(kinds, parents, strict=True)])
-    a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh in sides]), 1, 0)
+    """Find the first triangle of some meshes against the normals, with its label: a layer, or OUTSIDE."""
+    sides = [subdivide(mesh, _SIZE * spacing, _MOST) for mesh in meshes]
+    layer_of = np.concatenate([label[parents] for label, (_, parents) in zip(labels, sides, strict=True)])
+    a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh, _ in sides]), 1, 0)
     centres = (a + b + c) / 3
     around = np.sqrt(np.max([np.square(corner - centres).sum(axis=1) for corner in (a, b, c)]))
     tree = cKDTree(centres)

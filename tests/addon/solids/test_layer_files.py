@@ -327,6 +327,8 @@ def test_operators_do_the_same(layered, tmp_path):
     assert bpy.ops.synch.layer_export(filepath=str(tmp_path / "part.ply")) == {"FINISHED"}
     assert len(list(tmp_path.glob("part_*.ply"))) == 3
     assert bpy.ops.synch.layer_toolpaths(fill="across-y", step=0.2) == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="needs walls: choose the fill contour"):
+        bpy.ops.synch.layer_toolpaths(fill="across-y", step=0.2, infill=0.3)
     assert bpy.ops.synch.layer_path_export(filepath=str(tmp_path / "paths.csv")) == {"FINISHED"}
     assert bpy.ops.synch.layer_volume(filepath=str(tmp_path / "pattern.vdb"), resolution=16) == {"FINISHED"}
     assert (tmp_path / "paths.csv").is_file() and (tmp_path / "pattern.vdb").is_file()
@@ -372,6 +374,10 @@ def test_the_command_saves_the_solve_before_an_export_can_fail(tmp_path, capfd):
     assert main.main([*run, "50"]) == 1 and "reduce it" in capfd.readouterr().err
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.objects["Block Layers"].data.polygons) > 0 and not bpy.data.curves
-    assert main.main([*run, "0.2"]) == 0 and capfd.readouterr().out.count("wrote") == 2
+    assert main.main([*run, "0.2", "--infill", "2"]) == 1
+    assert "the infill is 2: give a share from 0 to 1" in capfd.readouterr().err
+    assert main.main([*run, "0.2", "--infill", "0.3"]) == 0
+    printed = capfd.readouterr().out
+    assert printed.count("wrote") == 2 and "30% between walls and skins" in printed
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.curves) >= 2
