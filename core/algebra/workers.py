@@ -14,7 +14,6 @@ Part = TypeVar("Part")
 Result = TypeVar("Result")
 
 MOST_WORKERS = 8
-# Rounding errors depend on the number: a batch sets the same on all its machines.
 WORKERS = min(int(os.environ.get("SYNCH_THREADS") or os.cpu_count() or 1), MOST_WORKERS)
 
 _thread = local()
@@ -69,6 +68,19 @@ def solving() -> Iterator[None]:
     """Context of a solve: BLAS has one thread, and the threads that share the work end with it."""
     with one_blas_thread(), pool:
         yield
+
+
+@contextmanager
+def beside(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
+    """Context in which ``work()`` runs in a thread of its own where one is idle.
+
+    Yields a function that returns its result: it waits for it, or computes it now. The context ends after the work.
+    """
+    if idle_workers() == 1:
+        yield work
+    else:
+        with ThreadPoolExecutor(1, thread_name_prefix="synch_fields") as executor:
+            yield executor.submit(work).result
 
 
 class _Follower(Monitor):

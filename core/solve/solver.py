@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..algebra.metric import SMALLEST_SHIFT
-from ..algebra.workers import solving
+from ..algebra.workers import beside, solving
 from ..memory import check_memory
 from ..monitor import Callback, Monitor, OutOfTime
 from ..piece import Piece
@@ -26,7 +26,7 @@ from .methods.initial_field import descend_from, first_field, search_after_relax
 from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import connection_bytes
 from .methods.spectral import smallest_eigenpair
-from .methods.stage import Workspace
+from .methods.stage import Stage, Workspace
 from .methods.staircase import MAX_RANK, Relaxation, relax, start_rank
 from .options_check import check_options
 
@@ -323,6 +323,20 @@ def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
 
 
 def _solve_sdp(task: _Task, workspace: Workspace) -> PartResult:
+    """Relax, certify and round; what rounding needs besides is built meanwhile where a core is idle."""
+    with beside(partial(_prepare_search, task, workspace.stages[0])) as prepared:
+        return _relax_and_round(task, workspace, prepared)
+
+
+def _prepare_search(task: _Task, stage: Stage) -> csr_matrix | None:
+    """Build what the search for phases needs besides the relaxation; returns the matrix with less curl, or None."""
+    if task.options.rounding != "continuation" or task.start.column is not None:
+        return None
+    stage.prepare_candidates()
+    return None if task.less_curl is None else task.less_curl(task.weight)
+
+
+def _relax_and_round(task: _Task, workspace: Workspace, prepared: Callable[[], csr_matrix | None]) -> PartResult:
     piece, monitor, watch = task.piece, task.monitor, task.watch
     monitor.expect(0.0 if watch is None else watch.proof_in)
     monitor.at("relaxation", 0.0)
@@ -345,7 +359,7 @@ def _solve_sdp(task: _Task, workspace: Workspace) -> PartResult:
         watch.proved(piece, task.weight, status=status, **quality)
         monitor.on_found = partial(watch.found, piece)
     with task.clock("round"):
-        columns, timed_out = _round(task, workspace, relaxation)
+        columns, timed_out = _round(task, workspace, relaxation, prepared)
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
     result = _finish_piece(piece, columns, status=status, **quality)
@@ -353,7 +367,9 @@ def _solve_sdp(task: _Task, workspace: Workspace) -> PartResult:
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 
 
-def _round(task: _Task, workspace: Workspace, relaxation: Relaxation) -> tuple[np.ndarray, bool]:
+def _round(
+    task: _Task, workspace: Workspace, relaxation: Relaxation, prepared: Callable[[], csr_matrix | None]
+) -> tuple[np.ndarray, bool]:
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, options, monitor = task.piece, task.options, task.monitor
     stage, lifted = workspace.stages[0], relaxation.lifted
@@ -377,7 +393,7 @@ def _round(task: _Task, workspace: Workspace, relaxation: Relaxation) -> tuple[n
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
-                less_curl = None if task.less_curl is None else monitor.during(partial(task.less_curl, task.weight))
+                less_curl = monitor.during(prepared)
                 columns, timed_out = rounding.continuation(
                     stage, lifted, options.samples, density, random, monitor, less_curl, relaxation.metric
                 )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import bpy
 
-from ...core.algebra.workers import MOST_WORKERS, WORKERS
+from ...core.algebra.workers import MOST_WORKERS
 from ...core.batch import child_loop
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
@@ -59,7 +59,7 @@ def add_parser(commands):
     command.add_argument("--folder", help="of records, summary.csv, summary.json and sheet.html; default: out/NAME")
     add_number(command, "--jobs", os.cpu_count() or 1, "processes on this machine", "N")
     command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, which does the rows instead")
-    add_number(command, "--threads", 1, f"of each solve, up to {MOST_WORKERS}; roundings differ with it", "N")
+    add_number(command, "--threads", 1, f"of each solve, up to {MOST_WORKERS}", "N")
     add_number(command, "--retries", 1, "how often a row that fails is tried again", "N")
     command.add_argument(
         "--limit", type=float, metavar="SECONDS", help="after which a row has failed, its process's start included"
@@ -91,11 +91,10 @@ def _run(options, way, shared, progress):
     if options.limit is not None and not options.limit > 0:
         raise SettingError(f"--limit is {options.limit:g}: give seconds above 0")
     started = time.monotonic()
-    needed = versions() | {"threads": min(options.threads, MOST_WORKERS)}
     options.folder = options.folder or str(Path("out", _name(options.rows)))
     folder = Path(options.folder)
     own = way.files(options)
-    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), needed, own)
+    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), versions(), own)
     rows = share_of(rows, options.share) if options.share else rows
     records = Records(folder)
     records.make_folders()
@@ -104,7 +103,7 @@ def _run(options, way, shared, progress):
     else:
         crew = child_loop.ProcessPool(_command(), options.jobs, options.threads)
     try:
-        before, now = run_rows(rows, records, crew, options.retries, needed, progress, options.limit)
+        before, now = run_rows(rows, records, crew, options.retries, versions(), progress, options.limit)
     finally:
         crew.end()
     lines = [f"{count_text(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]
@@ -144,13 +143,13 @@ def _understood(arguments, way):
 
 def serve(way):
     """Carry out rows that come by standard input, until it is closed."""
-    here = versions() | {"threads": WORKERS}
-    child_loop.serve(lambda task: _answer(task, way, here), leave_now)
+    child_loop.serve(lambda task: _answer(task, way), leave_now)
 
 
-def _answer(task, way, here):
+def _answer(task, way):
     """What became of a task: nothing more to tell where it is done, else why not."""
     try:
+        here = versions()
         for name, wanted in task["versions"].items():
             if here[name] != wanted:
                 raise SettingError(f"{name} is {here[name]} here and {wanted} where the batch began: install the same")

@@ -85,7 +85,8 @@ def first_field(workspace: Workspace, rank: int, seed: int, monitor: Monitor) ->
     directions = rounding.random_directions(stage.is_complex, rank, PROJECTIONS - 1, random, stage.width)
     columns = rounding.projections(stage, lifted, directions, DIFFUSED, monitor)
     if density > 0:  # no perfect fit
-        columns = diffuse(stage, columns, rounding.metrics(stage, rounding.TIMES[:2], density), 1, monitor)
+        metrics = map(stage.metric, rounding.shifts(stage, rounding.TIMES[:2], density))
+        columns = diffuse(stage, columns, metrics, 1, monitor)
     columns = _polish_columns(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
     columns = _prolong_to_finest(workspace, stage, columns[:, :1])
     return _polish_columns(workspace.stages[0], columns, density, FINE_STEPS, monitor)
@@ -153,10 +154,11 @@ def _search_on_stage(
 
 def _diffused(stage: Stage, columns: np.ndarray, density: float, monitor: Monitor) -> np.ndarray:
     """(N * width, k) columns, and what each step of diffusion makes of them, beside them."""
-    metric = monitor.during(lambda: list(rounding.metrics(stage, np.array([FREEING_TIME]), density)))
+    (shift,) = rounding.shifts(stage, np.array([FREEING_TIME]), density)
+    metric = monitor.during(partial(stage.metric, shift))
     made = [columns]
     for _ in range(FREEING_STEPS):
-        made.append(diffuse(stage, made[-1], metric, 1, monitor))
+        made.append(diffuse(stage, made[-1], [metric], 1, monitor))
     return np.hstack(made)
 
 

@@ -7,7 +7,7 @@ unrelaxed problem (18). The fields found are crossed, each region from the one w
 again, as long as that pays.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ...algebra.metric import Metric
-from ...algebra.workers import idle_workers, share_out
+from ...algebra.workers import pool, share_out
 from ...monitor import Monitor, OutOfTime
 from ...piece import Piece
 from .descent import descend
@@ -49,9 +49,10 @@ SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 15, 200
 FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers in memory at once, and columns of a batch at least: memory, and how soon a solve can be stopped.
-# Numbers for which another thread pays.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
-WORTH_SHARING = 60_000
+# Columns of a batch that fit into the cache, and numbers for which another thread pays. Both hold for any number of
+# threads, since rounding errors depend on the batches.
+CACHED_BATCH, WORTH_SHARING = 10, 60_000
 # Metric shift of descents as a share of the energy per mass.
 CANDIDATE_SHIFT = 1.0
 
@@ -157,7 +158,7 @@ def _in_batches(
     """The results of work(columns, monitor) on columns, or on their numbers, in batches that all cores share."""
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
-    fewest = min(size * count // WORTH_SHARING, count // SMALLEST_BATCH, idle_workers())
+    fewest = min(size * count // WORTH_SHARING, 2 * -(-count // (2 * CACHED_BATCH)))  # even, for two cores
     batches = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
     at_once = max(MOST_AT_ONCE // (size * batches[0].shape[-1]), 2)
     return np.concatenate(share_out(work, batches, monitor, at_once), axis=-1)
@@ -261,7 +262,7 @@ class _Search:
         self._random, self._monitor = random, monitor
         self.found = np.empty((stage.matrix.shape[0] * stage.width, 0), stage.matrix.dtype)
         self.metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
-        self._diffusion: list[Metric] = monitor.during(partial(list, metrics(stage, TIMES, density)))
+        self._diffusion = monitor.during(partial(pool.map, stage.metric, shifts(stage, TIMES, density)))
         self._smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
 
     def run(self, stage: Stage, lifted: np.ndarray, tries: Tries, fractions: tuple[float, float]) -> None:
@@ -309,21 +310,27 @@ class _Search:
         self, stage: Stage, lifted: np.ndarray, directions: np.ndarray, tries: Tries
     ) -> np.ndarray:
         """Random projections after diffusion with the longer times."""
-        drawn = directions[:, directions.shape[1] - tries.drawn :]
-        fields = projections(stage, lifted, drawn, tries.drawn, self._monitor) if tries.drawn else self.found[:, :0]
-        return diffuse(stage, fields, metrics(stage, LONG_TIMES, self._density), 1, self._monitor)
+        if not tries.drawn:
+            return self.found[:, :0]
+        fields = projections(stage, lifted, directions[:, -tries.drawn :], tries.drawn, self._monitor)
+        for shift in shifts(stage, LONG_TIMES, self._density):  # one metric at a time, for memory
+            fields = self._diffuse(stage, fields, [stage.metric(shift)])
+        return fields
 
     def _diffuse_and_descend(
         self, stage: Stage, seeds: np.ndarray, diffusion: list[Metric] | None = None
     ) -> np.ndarray:
         """The better part of the seeds after diffusion, and some steps of descent."""
-        diffusion = self._diffusion if diffusion is None else diffusion
+        settled = self._diffuse(stage, seeds, self._diffusion if diffusion is None else diffusion)
+        return self._descend(stage, lowest(stage, settled, round(DESCENDING * seeds.shape[1])))
+
+    def _diffuse(self, stage: Stage, columns: np.ndarray, diffusion: list[Metric]) -> np.ndarray:
+        """Columns after a diffusion step with each metric."""
 
         def diffuse_batch(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
             return diffuse(stage, batch, diffusion, 1, batch_monitor)
 
-        settled = _in_batches(stage, diffuse_batch, seeds, self._monitor)
-        return self._descend(stage, lowest(stage, settled, round(DESCENDING * seeds.shape[1])))
+        return _in_batches(stage, diffuse_batch, columns, self._monitor)
 
     def _descend(self, stage: Stage, columns: np.ndarray) -> np.ndarray:
         """Columns after a short descent each."""
@@ -340,13 +347,14 @@ def _effort(size: int) -> float:
     return min(effort, max(LARGE_SIZE / size, 1.0))
 
 
-def metrics(stage: Stage, times: np.ndarray, density: float) -> Iterator[Metric]:
-    """The stage's metrics for times in units of 1 / density: the first, and those that reach past the next node.
+def shifts(stage: Stage, times: np.ndarray, density: float) -> np.ndarray:
+    """Shifts of the metrics for times in units of 1 / density: the first, and those that reach past the next node.
 
     In shorter times hardly anything moves: diffusion is pinned to the nodes.
     """
     times = times / density
-    return (stage.metric(1 / tau) for tau in times[: max(np.count_nonzero(times * stage.stiffness >= 1), 1)])
+    longest = times[: max(np.count_nonzero(times * stage.stiffness >= 1), 1)]
+    return 1 / longest
 
 
 def ground_to_one(piece: Piece, columns: np.ndarray) -> np.ndarray:

@@ -118,6 +118,12 @@ class Stage:
             return self.metric(shift)
         return definite_metric(self._turning_hierarchy, max(shift, self._smallest_shift))
 
+    def prepare_candidates(self) -> None:
+        """Build what the metrics of candidates and :meth:`smoothing` share, ahead of their first use."""
+        _ = self._graph_hierarchy
+        if self.is_circle:
+            _ = self._turning_hierarchy
+
     def smoothing(self, shift: float) -> Metric:
         """G + shift M for values on the nodes, with its inverse; G is the Laplacian of the graph."""
         return definite_metric(self._graph_hierarchy, max(shift, self._smallest_shift))

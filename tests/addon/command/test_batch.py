@@ -9,7 +9,6 @@ from pathlib import Path
 import bpy
 import pytest
 
-from synch_fields.core.algebra import workers
 from synch_fields.core.batch.rows import Row
 from synch_fields.synch_addon.command import batch, main
 from synch_fields.synch_addon.command.declared_files import declared_files
@@ -45,7 +44,6 @@ def figures(path):
 def test_rows_are_done_as_alone_whatever_came_before_and_once(ball, tmp_path, monkeypatch, capfd):
     """By a warm process; alone in this one."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(workers, "WORKERS", 1)
     one = {"command": "directions", "input": str(ball), "symmetry": "cross"}
     other = {"command": "stripes", "input": str(ball), "spacing": 0.4, "report": "new/{stem}.json"}
     rows = written(
@@ -79,7 +77,7 @@ def test_a_pattern_with_a_shared_command_and_shares_of_it(ball, tmp_path, monkey
     for name in ("a", "b", "c"):
         (tmp_path / f"{name}.obj").write_bytes(ball.read_bytes())
     monkeypatch.setattr(batch.child_loop, "ProcessPool", Here)
-    flags = ["--threads", batch.WORKERS, "--folder", "done"]
+    flags = ["--folder", "done"]
     rows = ["--", "info", "--report", "{stem}.json"]
     status, out, _ = run(capfd, "batch", "*.obj", *flags, "--share", "1/2", *rows)
     assert status == 0 and out.startswith("1 row: 1 done") and not (tmp_path / "done" / "summary.csv").exists()
@@ -104,8 +102,7 @@ class Here:
         )
 
     def start(self, task):
-        here = batch.versions() | {"threads": batch.WORKERS}
-        self._answers.append((task, batch._answer(task, self._way, here)))
+        self._answers.append((task, batch._answer(task, self._way)))
 
     def answer(self, _seconds):
         return self._answers.pop()
@@ -133,7 +130,7 @@ def test_pictures_come_small_on_the_sheet(ball, tmp_path, monkeypatch, capfd):
             image.save()
         return made._replace(written=[path] if path else [])
 
-    status, _, err = run(capfd, "batch", rows, "--threads", batch.WORKERS)
+    status, _, err = run(capfd, "batch", rows)
     assert status == 0, err
     (small,) = (tmp_path / "out" / "rows.batch" / "thumbnails").iterdir()
     image = bpy.data.images.load(str(small))
@@ -141,16 +138,10 @@ def test_pictures_come_small_on_the_sheet(ball, tmp_path, monkeypatch, capfd):
     assert "data:image/jpeg;base64," in (tmp_path / "out" / "rows.batch" / "sheet.html").read_text()
 
 
-def test_another_version_of_a_process_is_refused(tmp_path):
-    here = {"numpy": "2.0", "threads": 1}
-    task = {
-        "versions": {"numpy": "1.9", "threads": 1},
-        "key": "0",
-        "arguments": [],
-        "working_folder": ".",
-        "folder": ".",
-    }
-    answer = batch._answer(task, None, here)
+def test_another_version_of_a_process_is_refused(monkeypatch):
+    monkeypatch.setattr(batch, "versions", lambda: {"numpy": "2.0"})
+    task = {"versions": {"numpy": "1.9"}, "key": "0", "arguments": [], "working_folder": ".", "folder": "."}
+    answer = batch._answer(task, None)
     assert answer == {"failed": "numpy is 2.0 here and 1.9 where the batch began: install the same"}
 
 
@@ -235,7 +226,7 @@ def test_rows_of_every_bad_kind_fail_alone(ball, tmp_path, monkeypatch, capfd):
     os.mkfifo("pipe.obj")
     good = b'{"command": "info", "input": "ball.obj", "report": "new/%d.json"}'
     Path("rows.jsonl").write_bytes(b"\n".join([good % 1, *POISON, good % 2]))
-    status, out, err = run(capfd, "batch", "rows.jsonl", "--threads", batch.WORKERS, "--retries", 0, "--quiet")
+    status, out, err = run(capfd, "batch", "rows.jsonl", "--retries", 0, "--quiet")
     assert status == 1 and err.strip().endswith(f"{len(POISON)} of {len(POISON) + 2} rows failed, see {SUMMARY}")
     assert out.startswith(f"{len(POISON) + 2} rows: 2 done")
     table = json.loads(Path("out/rows.batch/summary.json").read_text())

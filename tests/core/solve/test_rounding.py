@@ -163,7 +163,6 @@ def test_a_crossing_takes_the_better_half_of_each(with_flips):
 
 def test_every_batch_of_projections_asks_the_monitor(monkeypatch):
     monkeypatch.setattr(rounding, "MOST_AT_ONCE", 1)
-    monkeypatch.setattr(rounding, "idle_workers", lambda: 1)
     monkeypatch.setattr(workers, "WORKERS", 1)
     piece = only_piece(SynchronizationProblem(random_connection("circle", 30, 40, 1)))
     workspace, lifted, _ = relaxed(piece)
