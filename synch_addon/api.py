@@ -186,8 +186,8 @@ def move_defect(
 def _triangles_of(given: MeshInput, face: int) -> np.ndarray:
     """The triangles of the solved mesh that lie in a face."""
     polygons, triangles = given.polygons, given.mesh.triangles
-    if not 0 <= face < len(polygons.starts):
-        raise SettingError(f"there is no face {face}: the mesh has {len(polygons.starts)}, from 0 on")
+    if not isinstance(face, Integral) or isinstance(face, bool) or not 0 <= face < len(polygons.starts):
+        raise SettingError(f"there is no face {quote_value(face)}: the mesh has {len(polygons.starts)}, from 0 on")
     start = polygons.starts[face]
     corners = polygons.corner_vertices[start : start + polygons.sizes[face]]
     inside = np.flatnonzero(np.isin(triangles, corners).all(axis=1))
@@ -352,6 +352,8 @@ def _edit(
     obj: bpy.types.Object, edit: Callable[[memory.Solved], Pattern], renumber: bool, onto: memory.Solved | None
 ) -> Json:
     """Show what ``edit`` makes of what an object shows, or of another state of its last solution."""
+    if onto is not None and not isinstance(onto, memory.Solved):
+        raise SettingError(f"the state is {quote_value(onto)}: give one of memory.recall, or None")
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
         shown = memory.recall(obj)

@@ -6,6 +6,8 @@ Every function here takes an object and returns [(points, colour)] in its space:
 or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...core.errors import SynchError
@@ -62,31 +64,55 @@ def _directions(obj, draw):
     return [(segments @ np.linalg.inv(given.stretch).T, DIRECTION_COLOR)]
 
 
-def defect_points(obj):
-    """Disclinations and dislocations by sign, from the attributes that they were written to.
+@dataclass(frozen=True)
+class Dots:
+    """Defects of an object, as they are drawn: of which kinds, with their (n,) indices and faces and (n, 3) places.
+
+    Faces are those of the mesh that carries the pattern.
+    """
+
+    kinds: np.ndarray
+    indices: np.ndarray
+    faces: np.ndarray
+    places: np.ndarray
+
+    @property
+    def colours(self):
+        """The colour of each."""
+        return [DEFECT_COLORS[kind][int(index < 0)] for kind, index in zip(self.kinds, self.indices, strict=True)]
+
+
+def defect_dots(obj):
+    """The :class:`Dots` of an object, from the attributes that its defects were written to.
 
     A quad with a disclination has no index: what dislocation its other triangle has is a part of how its values close.
     """
     obj = surface_of(obj)
-    if not len(obj.data.polygons):
-        return []
-    polygons = meshes.read_polygons(obj)
-    places = attributes.read_values(obj, "position", "POINT")
-    corners = np.add.reduceat(places[polygons.corner_vertices], polygons.starts)
-    centres = places[polygons.triangles].mean(axis=1)
-    first = polygons.first_triangles
-    found = {}
-    (stripes,) = PHASES["stripes"]
-    for attribute, kind, at in (
-        (SINGULARITY, "disclination", corners / polygons.sizes[:, None]),
-        (stripes.index, "dislocation", centres[first]),
-        (stripes.index_2, "dislocation", centres[np.minimum(first + 1, len(centres) - 1)]),
-    ):
-        index = attributes.read(obj, attribute)
-        if index is not None:
-            for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
-                found.setdefault(colour, []).append(at[chosen])
-    return _not_empty([(np.concatenate(points), colour) for colour, points in found.items()])
+    kinds, indices, faces, places = [], [], [], []
+    if len(obj.data.polygons):
+        polygons = meshes.read_polygons(obj)
+        corners = attributes.read_values(obj, "position", "POINT")
+        sums = np.add.reduceat(corners[polygons.corner_vertices], polygons.starts)
+        centres, first = corners[polygons.triangles].mean(axis=1), polygons.first_triangles
+        second = np.minimum(first + 1, len(centres) - 1)
+        found = [(SINGULARITY, "disclination", sums / polygons.sizes[:, None])]
+        for phase in (phase for of_kind in PHASES.values() for phase in of_kind):
+            found += [(phase.index, "dislocation", centres[first]), (phase.index_2, "dislocation", centres[second])]
+        for attribute, kind, at in found:
+            index = attributes.read(obj, attribute)
+            chosen = np.flatnonzero(index) if index is not None else []
+            if len(chosen):
+                kinds += [kind] * len(chosen)
+                indices, faces, places = [*indices, *index[chosen]], [*faces, *chosen], [*places, *at[chosen]]
+    return Dots(np.array(kinds), np.array(indices, float), np.array(faces, int), np.reshape(places, (-1, 3)))
+
+
+def defect_points(obj):
+    """The places of an object's :func:`defect_dots` by their colours."""
+    dots = defect_dots(obj)
+    return [
+        (dots.places[[other == colour for other in dots.colours]], colour) for colour in dict.fromkeys(dots.colours)
+    ]
 
 
 def pin_points(obj):
