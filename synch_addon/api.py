@@ -354,6 +354,7 @@ def _edit(
     """Show what ``edit`` makes of what an object shows, or of another state of its last solution."""
     if onto is not None and not isinstance(onto, memory.Solved):
         raise SettingError(f"the state is {quote_value(onto)}: give one of memory.recall, or None")
+    renumber = convert_value("renumber", bool, renumber)
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
         shown = memory.recall(obj)

@@ -56,13 +56,15 @@ the field is solved again"""
         face = self._surface.face_at(*ray_under(context, mouse, obj))
         if face is not None:
             self._target = face
-        colour = COLORS[self.kind][int(self.index < 0)]
-        pointer.point(context.region, tuple(mouse), colour, self._line or words_of(self.kind, self.index))
 
     def _step(self, context, event, obj):
         super()._step(context, event, obj)
+        if not self._is_moved:
+            return
         if self.kind == "dislocation" and not self._is_slow:
             self._move_line_end(obj)
+        colour = COLORS[self.kind][int(self.index < 0)]
+        pointer.point(context.region, tuple(self._last), colour, self._line or words_of(self.kind, self.index))
 
     def _move_line_end(self, obj):
         """Show the pattern with the line end where the pointer is."""

@@ -19,7 +19,7 @@ from .pattern_shader import draw_dots, shaders
 
 # In pixels: how near to a dot the mouse has to be, the size of the dot that is pointed at, how far its words are from it.
 _NEAR, _SIZE, _BESIDE = 12.0, 16.0, 14.0
-_POINTS = 12
+_POINTS, _BOX = 11, (0.01, 0.01, 0.01, 1.0)
 # A dot is seen if what is before it is nearer by less than this share of its distance.
 _BEFORE = 0.01
 _WORDS = {"disclination": "Swirl point {index}", "dislocation": "Line end"}
@@ -47,13 +47,17 @@ class Pointer:
         for size, colour in ((_SIZE + 4, (1.0, 1.0, 1.0, 1.0)), (_SIZE, self.colour)):
             draw_dots(batch, colour, size * pixel, *matrices)
         gpu.state.blend_set("NONE")
-        blf.size(0, _POINTS * pixel)
-        blf.enable(0, blf.SHADOW)
-        blf.shadow(0, 5, 0.0, 0.0, 0.0, 1.0)
+        blf.size(0, _POINTS * bpy.context.preferences.system.ui_scale)
+        left, below = self.place[0] + _BESIDE * pixel, self.place[1] + _BESIDE * pixel
+        width, height = blf.dimensions(0, self.text)
+        corners = [(left - 6, below - 7), (left + width + 6, below - 7), (left + width + 6, below + height + 6)]
+        corners.append((left - 6, below + height + 6))
+        plain = gpu.shader.from_builtin("UNIFORM_COLOR")
+        plain.uniform_float("color", _BOX)
+        batch_for_shader(plain, "TRI_FAN", {"pos": [(*corner, 0.0) for corner in corners]}).draw(plain)
         blf.color(0, 1.0, 1.0, 1.0, 1.0)
-        blf.position(0, self.place[0] + _BESIDE * pixel, self.place[1] - 4 * pixel, 0)
+        blf.position(0, left, below, 0)
         blf.draw(0, self.text)
-        blf.disable(0, blf.SHADOW)
 
 
 pointer = Pointer()
