@@ -3,11 +3,13 @@
 how far apart lines are, a loop of quads, layers.
 
 Every function here takes an object and returns [(points, colour)] in its space: (k, 2, 3) ends of segments
-or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours.
+or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours, or
+(k, 3, 4) at the corners.
 """
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ...core.errors import SynchError
@@ -17,7 +19,7 @@ from ...core.settings.surface import SYMMETRY_ORDERS
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
 from ..blender.pattern_surface import surface_of
-from ..blender.schema import DIRECTION, LAYER, PHASES, SINGULARITY, SPACING_ERROR
+from ..blender.schema import COLOR, DIRECTION, LAYER, PHASES, SINGULARITY, SPACING_ERROR
 from ..nodes.layers import layer_colors
 from ..patterns.loops import faces_of_loop, shown_edge
 
@@ -38,6 +40,8 @@ WIDE_COLOR, NARROW_COLOR, EVEN_COLOR = (0.85, 0.05, 0.03, 0.8), (0.03, 0.12, 0.8
 FULL_COLOR_AT = 1.5
 # Of pinned faces around which directions are not to turn.
 UNTURNED_COLOR = (0.45, 0.45, 0.45, 1.0)
+# Opacity of colours through which the shading of Solid view is seen.
+SHEER = 0.75
 LOOP_COLOR, SPIRAL_COLOR = (1.0, 0.45, 0.0, 0.8), (0.85, 0.0, 0.5, 0.8)
 
 
@@ -143,13 +147,24 @@ def spacing_errors(obj):
 
 
 def layer_faces(obj):
-    """The faces of layers in the colours of their material."""
+    """The faces of layers, as modifiers leave them, in the colours of their material."""
+    obj = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     layers = attributes.read(obj, LAYER)
     if layers is None or not len(layers):
         return []
     polygons = meshes.read_polygons(obj)
     corners = attributes.read_values(obj, "position", "POINT")[polygons.triangles]
     return [(corners, layer_colors(layers)[polygons.triangle_faces])]
+
+
+def sphere_faces(obj):
+    """The faces of tubes, or of a surface with a flow, in the colours of the points of the sphere at their vertices."""
+    colors = attributes.read(obj, COLOR)
+    if colors is None or not len(obj.data.polygons):
+        return []
+    triangles = meshes.read_polygons(obj).triangles
+    corners = attributes.read_values(obj, "position", "POINT")[triangles]
+    return [(corners, (colors * (1, 1, 1, SHEER))[triangles])]
 
 
 def error_colors(errors):

@@ -15,6 +15,7 @@ from mathutils import Matrix
 from ..blender.changes import changes
 from ..blender.pattern_surface import surface_of
 from ..blender.registration import register_all
+from ..blender.schema import LAYER
 from ..jobs.lru_cache import LruCache
 from ..patterns.loops import shown_edge
 from .overlay import (
@@ -26,6 +27,7 @@ from .overlay import (
     loop_faces,
     pin_points,
     spacing_errors,
+    sphere_faces,
 )
 from .pattern_shader import draw_dots, shaders
 from .sidebar import SidebarPanel, property_column
@@ -35,11 +37,12 @@ NEARER = 2e-3
 # In pixels.
 LINE_WIDTHS = {"MARKS": 1.5, "STREAMLINES": 1.5, "CONSTRAINTS": 3.0}
 POINT_SIZES = {"PINS": 18.0, "DEFECTS": 10.0}
-_SHADERS = {"TRIS": "FLAT_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR"}
+_SHADERS = {"TRIS": "SMOOTH_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR"}
 
 # In the order of drawing.
 _PARTS = {
     "LAYERS": layer_faces,
+    "SPHERE": sphere_faces,
     "SPACING": spacing_errors,
     "LOOP": loop_faces,
     "MARKS": direction_marks,
@@ -144,7 +147,8 @@ def key(obj):
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
     settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
-    return changes.state(obj.data), changes.state(surface_of(obj).data), proportions.tobytes(), *settings
+    shape = changes.state(obj) if LAYER.name in obj.data.attributes else None  # layers are drawn as modifiers leave them
+    return changes.state(obj.data), changes.state(surface_of(obj).data), shape, proportions.tobytes(), *settings
 
 
 def layers(obj, part):
@@ -160,10 +164,11 @@ def layers(obj, part):
 
 
 def _layer(points, colour):
-    kind = "TRIS" if np.ndim(colour) == 2 else "LINES" if points.ndim == 3 else "POINTS"
+    kind = "TRIS" if np.ndim(colour) > 1 else "LINES" if points.ndim == 3 else "POINTS"
     values = {"pos": np.ascontiguousarray(points, np.float32).reshape(-1, 3)}
     if kind == "TRIS":
-        values["color"] = np.repeat(np.float32(colour), 3, axis=0)
+        values["color"] = np.broadcast_to(np.reshape(np.float32(colour), (len(points), -1, 4)), (len(points), 3, 4))
+        values["color"] = values["color"].reshape(-1, 4)
     return batch_for_shader(shaders.dots if kind == "POINTS" else _shader(kind), kind, values), kind, colour
 
 

@@ -385,6 +385,15 @@ def test_faces_are_painted_and_lines_are_seen_over_them(canvas):
     assert (seam[..., 0] > 0.5).any(axis=0).all() and (seam[..., 2] > 0.3).any(axis=0).all()
 
 
+def test_tubes_have_the_colours_of_their_points(canvas):
+    obj = scenes.add_object([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [(0, 1, 2, 3)])
+    assert overlay.sphere_faces(obj) == []
+    colors = np.float32([(1, 0, 0, 1), (1, 0, 0, 1), (0, 0, 1, 1), (0, 0, 1, 1)])
+    obj.data.attributes.new("synch_color", "FLOAT_COLOR", "POINT").data.foreach_set("color", colors.ravel())
+    picture = drawn(canvas, obj, ["SPHERE"])
+    assert picture[4, 32, 0] > 2 * picture[4, 32, 2] and picture[60, 32, 2] > 2 * picture[60, 32, 0]
+
+
 def test_picture_follows_a_change_of_the_attribute(canvas):
     obj = scenes.grid(1)
     with_directions(obj, np.tile([1.0, 0.0, 0.0], (4, 1)))
