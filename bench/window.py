@@ -58,8 +58,8 @@ shown = early.draw_picture
 def draw_picture(self, *arguments):
     result = shown(self, *arguments)
     if not first:
-        first.update(wall=time.monotonic() - begun[0], child=child_time() - begun[1], blender=time.process_time() - begun[2])
-        first["ours"] = spent["ours"]
+        first.update(wall=time.monotonic() - begun[0], child=child_time() - begun[1])
+        first.update(blender=time.process_time() - begun[2], ours=spent["ours"])
     return result
 early.draw_picture = draw_picture
 """

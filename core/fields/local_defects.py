@@ -12,6 +12,7 @@ a linear problem, as the turns stay. Farther away f is 0, and so it is where con
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
@@ -121,7 +122,7 @@ def _turns(pattern: Pattern, path: np.ndarray, added: np.ndarray) -> np.ndarray:
     """(e, k) whole turns along the edges that a path crosses, which add (k,) numbers in its first triangle."""
     mesh = pattern.mesh
     turns, carried = np.zeros(pattern.one_form.changes.shape), -added
-    for triangle, following in zip(path[:-1], path[1:], strict=True):
+    for triangle, following in pairwise(path):
         (edge,) = np.intersect1d(mesh.triangle_edges[triangle], mesh.triangle_edges[following])[:1]
         turns[edge] = -carried @ _sums(pattern, triangle, edge).T
         carried = turns[edge] @ _sums(pattern, following, edge)
@@ -141,7 +142,7 @@ def _sums(pattern: Pattern, triangle: int, edge: int) -> np.ndarray:
 
 
 def _near(pattern: Pattern, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, csr_matrix]:
-    """(e,) edges near some triangles, (f,) nodes there that may change, and (k e, f) the differences along the edges."""
+    """(e,) edges near some triangles, (f,) nodes there that may change, and their (k e, f) differences along edges."""
     mesh, one_form, problem = pattern.mesh, pattern.one_form, pattern.problem
     count = one_form.phase_count
     reach = REACH * 2 * np.pi / one_form.rates[mesh.triangles[triangles]].min()

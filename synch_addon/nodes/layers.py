@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The look of layers: coloured from bottom to top, every other one darker, cut open by a plane, and peeled from the top."""
+"""The look of layers: coloured from bottom to top, every other one darker, cut open, and peeled from the top."""
 
 import bpy
 import numpy as np

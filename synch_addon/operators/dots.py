@@ -27,8 +27,8 @@ _CLICK, _SOON = 4.0, 0.4
 
 
 class SYNCH_OT_drag_defect(ReadyOperator, StrokeOperator, bpy.types.Operator):
-    """Click: select. Drag: move it to another face; a swirl point is pinned there, with all others where they are, and \
-the field is solved again"""
+    """Click: select. Drag: move it to another face; a swirl point is pinned there, all others stay, and the field is \
+solved again"""
 
     bl_idname = "synch.drag_defect"
     bl_label = "Drag Defect"

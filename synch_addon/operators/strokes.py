@@ -34,8 +34,8 @@ class StrokeOperator:
     """A drag of the mouse, as a mixin of operators.
 
     Subclasses have ``move``, called for each sample of the drag, and ``finish``, called at its end, which returns a
-    line that says what was done, or None for nothing. ``take_back`` is called where Esc ends it, with the object or None
-    where that is gone.
+    line that says what was done, or None for nothing. ``take_back`` is called where Esc ends it, with the object, or
+    None where that is gone.
     """
 
     bl_options = {"UNDO", "INTERNAL"}

@@ -17,7 +17,7 @@ from .overlay import defect_dots
 from .overlay_view import distances_on_screen, key, shown_object
 from .pattern_shader import draw_dots, shaders
 
-# In pixels: how near to a dot the mouse has to be, the size of the dot that is pointed at, how far its words are from it.
+# In pixels: how near to a dot the mouse has to be, the size of that dot, how far its words are from it.
 _NEAR, _SIZE, _BESIDE = 12.0, 16.0, 14.0
 _POINTS, _BOX = 11, (0.01, 0.01, 0.01, 1.0)
 # A dot is seen if what is before it is nearer by less than this share of its distance.
@@ -69,7 +69,7 @@ def words_of(kind, index):
 
 
 def dot_at(context, mouse):
-    """The dots of the object that is shown, and which of them is under a place of the region; None where there is none."""
+    """The dots of the object that is shown, and which of them is under a place of the region, or None."""
     obj = shown_object(context)
     if obj is None or "DEFECTS" not in context.scene.synch_overlay.parts:
         return None

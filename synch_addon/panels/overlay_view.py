@@ -62,8 +62,8 @@ class SynchOverlay(bpy.types.PropertyGroup):
     show: BoolProperty(name="Overlay", description="Draw the field of the active object over it")
     defects: BoolProperty(
         name="Dots",
-        description="Draw swirl points and line ends of the active object as dots, in the colours of their empties. Click "
-        "one to select its empty, drag it to move it",
+        description="Draw swirl points and line ends of the active object as dots, in the colours of their empties. "
+        "Click one to select its empty, drag it to move it",
         default=True,
     )
     pattern: BoolProperty(
@@ -147,7 +147,8 @@ def key(obj):
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
     settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
-    shape = changes.state(obj) if LAYER.name in obj.data.attributes else None  # layers are drawn as modifiers leave them
+    # Layers are drawn as modifiers leave them.
+    shape = changes.state(obj) if LAYER.name in obj.data.attributes else None
     return changes.state(obj.data), changes.state(surface_of(obj).data), shape, proportions.tobytes(), *settings
 
 

@@ -183,8 +183,11 @@ def draw_dots(batch, ink, size, view, projection):
 
 def _dot_shader():
     info = gpu.types.GPUShaderCreateInfo()
-    for name, kind in (("view", "MAT4"), ("projection", "MAT4"), ("ink", "VEC4"), ("size", "FLOAT"), ("height", "FLOAT")):
-        info.push_constant(kind, name)
+    for name in ("view", "projection"):
+        info.push_constant("MAT4", name)
+    info.push_constant("VEC4", "ink")
+    for name in ("size", "height"):
+        info.push_constant("FLOAT", name)
     info.vertex_in(0, "VEC3", "pos")
     info.fragment_out(0, "VEC4", "color")
     info.vertex_source(_DOT_VERTEX)

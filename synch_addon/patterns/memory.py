@@ -65,7 +65,7 @@ class Solved:
         return (shown, None) if self.pattern is None else (self.field, shown)
 
     def then(self, edit):
-        """The change of the solution that leads to this state and on to what ``edit``, Solved -> Pattern, makes of it."""
+        """The change of the solution that leads to this state and on to what ``edit`` makes of it."""
         before = self.change
         return edit if before is None else lambda solution: edit(solution._with(before(solution)))
 

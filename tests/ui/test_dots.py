@@ -42,7 +42,8 @@ def rest(window, place):
 
 
 def test_a_dot_says_what_it_is_and_a_click_selects_its_empty(solved, keep):
-    for kind, words in (("dislocation", "Line end"), ("disclination", solved.says("Swirl point {index}", index="+0.5"))):
+    swirl = solved.says("Swirl point {index}", index="+0.5")
+    for kind, words in (("dislocation", "Line end"), ("disclination", swirl)):
         place, face = front_dot(solved, kind)
         rest(solved, place)
         solved.wait_for(words, "WINDOW")

@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, quad_pattern, stripe_pattern
-from synch_fields.core.fields.local_defects import LENGTH, REACH, add_stripe, move_line_ends
 from synch_fields.core.fields.directions import DirectionWishes
+from synch_fields.core.fields.local_defects import LENGTH, REACH, add_stripe, move_line_ends
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.placement import with_defects, with_line_ends
 from synch_fields.core.geometry import TriangleMesh
