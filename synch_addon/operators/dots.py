@@ -64,6 +64,7 @@ solved again"""
         if self.kind == "dislocation" and not self._is_slow:
             self._move_line_end(obj)
         colour = COLORS[self.kind][int(self.index < 0)]
+        pointer.is_dragged = True
         pointer.point(context.region, tuple(self._last), colour, self._line or words_of(self.kind, self.index))
 
     def _move_line_end(self, obj):
@@ -75,6 +76,7 @@ solved again"""
         try:
             if self._target == self.face:
                 api.show_again(obj, self._onto)
+                self._line = ""
             else:
                 before = self._onto.plain["energy"]
                 report = api.move_defect(obj, self.face, self._target, renumber=False, onto=self._onto)
@@ -85,13 +87,15 @@ solved again"""
             self._line = str(error)
         self._is_slow = time.monotonic() > start + _SOON
 
+    def cancel(self, context):
+        super().cancel(context)
+        pointer.place, pointer.is_dragged = None, False
+
     def take_back(self, obj):
-        pointer.place = None
         if obj is not None and self._written != self.face:
             api.show_again(obj, self._onto)
 
     def finish(self, context, obj):
-        pointer.place = None
         if not self._is_moved:
             return self._select(context, obj)
         if self.kind == "disclination":
@@ -111,8 +115,11 @@ solved again"""
         for empty in defect_empties(obj):
             if (empty["synch_kind"], empty["synch_face"]) == (self.kind, self.face) and empty.visible_get():
                 empty.select_set(True)
-        with meshes.object_mode(obj):
-            meshes.select_faces(obj, faces_of_object(obj, [self.face]))
+        try:
+            with meshes.object_mode(obj):
+                meshes.select_faces(obj, faces_of_object(obj, [self.face]))
+        except SynchError:  # modifiers have made the face
+            pass
         return translate(
             "{name}: {what} in face {face}", name=obj.name, what=words_of(self.kind, self.index), face=self.face
         )

@@ -28,10 +28,11 @@ _dots = LruCache(4)
 
 
 class Pointer:
-    """What is pointed at or dragged: a place of the region, its colour and words; ``place`` is None for nothing."""
+    """What is pointed at or, where ``is_dragged``, dragged: a place of the region, its colour and words; ``place`` is
+    None for nothing."""
 
     def __init__(self):
-        self.place, self.colour, self.text = None, (1.0, 1.0, 1.0, 1.0), ""
+        self.place, self.colour, self.text, self.is_dragged = None, (1.0, 1.0, 1.0, 1.0), "", False
 
     def point(self, region, place, colour=None, text=""):
         """Point at a place of a region, and draw that again if it is another one."""
@@ -115,7 +116,7 @@ class SYNCH_GT_dot(bpy.types.Gizmo):
         return 0
 
     def draw(self, context):
-        if pointer.place is not None:
+        if pointer.place is not None and (self.is_highlight or pointer.is_dragged):
             pointer.draw(context.preferences.system.pixel_size)
 
 
