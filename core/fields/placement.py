@@ -113,7 +113,7 @@ def move_defects(pattern: Pattern, triangles: np.ndarray, targets: np.ndarray) -
 
 def _with_line_end(pattern: Pattern, vertex: int) -> Pattern:
     refused = f"no line end fits beside {name_elements('vertex', [vertex])}: choose others nearby"
-    for triangle in np.flatnonzero((pattern.mesh.triangles == vertex).any(axis=1)):
+    for triangle in np.flatnonzero((pattern.mesh.triangles == vertex).any(axis=1)).tolist():
         try:
             found = add_stripe(pattern, triangle)
         except SettingError as error:
