@@ -13,11 +13,13 @@ from pathlib import Path
 from typing import Unpack
 
 import bpy
+import numpy as np
 
 from ..core.errors import SettingError, SynchError, quote_value
 from ..core.fields import DirectionField, Pattern
-from ..core.fields.placement import check_vertices, variation, with_defects
+from ..core.fields.placement import check_vertices, move_defects, variation, with_line_ends
 from ..core.files.json_text import Json
+from ..core.geometry.mesh_input import MeshInput
 from ..core.geometry.tet_mesh import TetMesh
 from ..core.monitor import Callback
 from ..core.settings.bake import BakeSettings
@@ -138,28 +140,65 @@ def vary(obj: bpy.types.Object, number: int) -> Json:
     """
     if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
         raise SettingError(f"the variation is {quote_value(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
-    return _show(obj, lambda solved: variation(solved.shown, number), number)
+
+    def change(solved: memory.Solved) -> DirectionField | Pattern:
+        return variation(solved.shown, number)
+
+    meshes.refuse(obj)
+    with meshes.object_mode(obj), whole_or_nothing():
+        return _write_changed(obj, memory.recall(obj), change, change, number)
 
 
-def place_defects(obj: bpy.types.Object, vertices: Sequence[int], renumber: bool = True) -> Json:
-    """Show the configuration of an object's last solve with a dislocation at each of some vertices (Section 4.6).
+def place_defects(
+    obj: bpy.types.Object, vertices: Sequence[int], renumber: bool = True, onto: memory.Solved | None = None
+) -> Json:
+    """Put a line end beside each of some vertices, where a short stripe begins; farther away the pattern stays.
 
     Parameters
     ----------
     obj : with stripes or quads that were solved since the file was opened
-    vertices : indices of vertices; how many there may be is the rank of the lifted field less one, for line and cross
-        fields half of that
+    vertices : indices of vertices
     renumber : whether numbered stripes are numbered anew; :func:`numbers.renew_shown` does it after the last of many
+    onto : state of :func:`memory.recall` that they are put into, in place of what is shown
 
-    Result and errors as :func:`vary`.
+    Result and errors as :func:`vary`. Where phases are mirrored, the whole pattern changes to one with defects there
+    (Section 4.6), and how many there may be is the rank of the lifted field less one, for line and cross fields half of
+    that.
+    """
+    return _edit(obj, lambda solved: with_line_ends(_pattern_of(solved), vertices), renumber, onto)
+
+
+def move_defect(
+    obj: bpy.types.Object, face: int, to_face: int, renumber: bool = True, onto: memory.Solved | None = None
+) -> Json:
+    """Move the line ends in a face to another one; farther away the pattern stays.
+
+    Faces are those of the mesh that carries the pattern. Other parameters, result and errors as :func:`place_defects`.
     """
 
-    def place(solved: memory.Solved) -> Pattern:
-        if solved.pattern is None:
-            raise SynchError("defects are placed in stripes and quads: solve one of them first")
-        return with_defects(solved.pattern, vertices)
+    def move(solved: memory.Solved) -> Pattern:
+        starts, targets = (_triangles_of(solved.request.given, number) for number in (face, to_face))
+        return move_defects(_pattern_of(solved), starts, targets)
 
-    return _show(obj, place, renumber=renumber)
+    return _edit(obj, move, renumber, onto)
+
+
+def _triangles_of(given: MeshInput, face: int) -> np.ndarray:
+    """The triangles of the solved mesh that lie in a face."""
+    polygons, triangles = given.polygons, given.mesh.triangles
+    if not isinstance(face, Integral) or isinstance(face, bool) or not 0 <= face < len(polygons.starts):
+        raise SettingError(f"there is no face {quote_value(face)}: the mesh has {len(polygons.starts)}, from 0 on")
+    start = polygons.starts[face]
+    corners = polygons.corner_vertices[start : start + polygons.sizes[face]]
+    inside = np.flatnonzero(np.isin(triangles, corners).all(axis=1))
+    found: np.ndarray = inside[meshes.faces_of_triangles(polygons, triangles[inside]) == face]
+    return found
+
+
+def _pattern_of(solved: memory.Solved) -> Pattern:
+    if solved.pattern is None:
+        raise SynchError("defects are placed in stripes and quads: solve one of them first")
+    return solved.pattern
 
 
 def show_again(obj: bpy.types.Object, shown: memory.Solved) -> None:
@@ -309,19 +348,33 @@ def run_bake(obj: bpy.types.Object, settings: BakeSettings, callback: Callback |
     return job.run(BakeJob(obj, settings), callback)
 
 
-def _show(
-    obj: bpy.types.Object,
-    change: Callable[[memory.Solved], DirectionField | Pattern],
-    number: int = 0,
-    renumber: bool = True,
+def _edit(
+    obj: bpy.types.Object, edit: Callable[[memory.Solved], Pattern], renumber: bool, onto: memory.Solved | None
 ) -> Json:
+    """Show what ``edit`` makes of what an object shows, or of another state of its last solution."""
+    if onto is not None and not isinstance(onto, memory.Solved):
+        raise SettingError(f"the state is {quote_value(onto)}: give one of memory.recall, or None")
+    renumber = convert_value("renumber", bool, renumber)
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
-        solved = memory.recall(obj)
-        report = solved.report.for_another_result()
-        with report.clock("round"):
-            field, pattern = solved.field_and_pattern(change(solved))
-        return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
+        shown = memory.recall(obj)
+        onto = shown if onto is None else replace(onto, request=shown.request)
+        return _write_changed(obj, onto, edit, onto.then(edit), onto.number, renumber)
+
+
+def _write_changed(
+    obj: bpy.types.Object,
+    solved: memory.Solved,
+    make: Callable[[memory.Solved], DirectionField | Pattern],
+    change: Callable[[memory.Solved], DirectionField | Pattern],
+    number: int,
+    renumber: bool = True,
+) -> Json:
+    """Write what ``make`` finds, which is a change of the solution."""
+    report = solved.report.for_another_result()
+    with report.clock("round"):
+        field, pattern = solved.field_and_pattern(make(solved))
+    return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
 
 
 def import_field(obj: bpy.types.Object, path: str | Path) -> str:

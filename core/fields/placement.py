@@ -13,6 +13,7 @@ from ..solution import COARSE, Options
 from ..solve import solve
 from ..solve.lifted import LiftedField
 from .directions import SolvedField
+from .local_defects import add_stripe, move_line_ends
 from .patterns import Pattern
 
 # Directions tried for defects at chosen vertices.
@@ -81,6 +82,48 @@ def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
     return best
 
 
+def with_line_ends(pattern: Pattern, vertices: ArrayLike) -> Pattern:
+    """The pattern with a line end beside each of some vertices; farther away it stays as it is.
+
+    Where phases are mirrored it is that of :func:`with_defects`. Errors as there.
+    """
+    vertices = check_vertices(vertices, pattern.mesh.vertex_count)
+    if 3 * len(pattern.problem.merged.nodes) > len(pattern.phases):
+        return with_defects(pattern, vertices)
+    for vertex in vertices:
+        if not _has_defects(pattern, vertex):
+            pattern = _with_line_end(pattern, vertex)
+    return pattern
+
+
+def move_defects(pattern: Pattern, triangles: np.ndarray, targets: np.ndarray) -> Pattern:
+    """The pattern whose line ends in some triangles are in one of the targets; farther away it stays as it is.
+
+    Errors as :func:`move_line_ends`.
+    """
+    numbers, torn = pattern.edge_phases.dislocations
+    starts = triangles[numbers[triangles].any(axis=1)]
+    if not len(starts) or not len(targets):
+        raise SettingError("the line end or the face is not there any more: choose others")
+    end = int(targets[torn[targets].argmin()])
+    for start in starts.tolist():
+        pattern = move_line_ends(pattern, start, end)
+    return pattern
+
+
+def _with_line_end(pattern: Pattern, vertex: int) -> Pattern:
+    refused = f"no line end fits beside {name_elements('vertex', [vertex])}: choose others nearby"
+    for triangle in np.flatnonzero((pattern.mesh.triangles == vertex).any(axis=1)).tolist():
+        try:
+            found = add_stripe(pattern, triangle)
+        except SettingError as error:
+            refused = str(error)
+            continue
+        if _has_defects(found, vertex):
+            return found
+    raise SettingError(refused)
+
+
 def check_vertices(vertices: ArrayLike, count: int) -> np.ndarray:
     """(k,) vertices of a mesh with ``count`` of them, ascending, each once; refuses everything else."""
     try:
@@ -95,7 +138,7 @@ def check_vertices(vertices: ArrayLike, count: int) -> np.ndarray:
     return found
 
 
-def _has_defects(pattern: Pattern, vertices: np.ndarray) -> bool:
+def _has_defects(pattern: Pattern, vertices: ArrayLike) -> bool:
     """Whether each vertex is a corner of a triangle with a dislocation, or around which the sheet changes."""
     triangles = pattern.mesh.triangles
     near = np.flatnonzero(np.isin(triangles, vertices).any(axis=1))

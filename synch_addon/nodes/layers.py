@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The look of layers: coloured from bottom to top, every other one darker, and cut open by a plane."""
+"""The look of layers: coloured from bottom to top, every other one darker, cut open, and peeled from the top."""
 
 import bpy
 import numpy as np
 
 from ..blender.schema import LAYER
 from ..blender.transaction import store
-from .canvas import Expression, Socket, group_tree, surface_material
+from .canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, surface_material
 
 LAYERS_NAME = "Synch Layers"
 CURVES_NAME = "Synch Dislocations"
+OPEN_NAME = "Synch Open Layers"
 COUNT = "synch_layer_count"
 # In the stamp of the group: raise it when what is built here changes.
 VERSION = 1
@@ -30,6 +31,51 @@ _OUTPUTS = (
     Socket("Shade", "Float", "1, less on every other layer"),
     Socket("Visible", "Float", "0 where the object is cut away"),
 )
+
+
+_OPEN_INPUTS = (
+    Socket("Geometry", "Geometry", "The layers"),
+    Socket("Cut Open", "Float", "Part of the object that is cut away along X, from the right", 0.0, (0.0, 1.0)),
+    Socket("Peel", "Float", "Part of the layers that is taken off, from the top", 0.0, (0.0, 1.0)),
+)
+_OPEN_OUTPUTS = (Socket("Geometry", "Geometry", "What is left of them"),)
+
+
+def open_layers(obj):
+    """Give an object of layers the modifier that cuts them open and peels them, if it has none."""
+    if opening_modifier(obj) is None:
+        add_modifier(obj, open_layers_group(), {})
+
+
+def opening_modifier(obj):
+    """The modifier of :func:`open_layers`, or None."""
+    groups = [(modifier, modifier.node_group) for modifier in obj.modifiers if modifier.type == "NODES"]
+    return next((modifier for modifier, group in groups if group and group.name.startswith(OPEN_NAME)), None)
+
+
+def open_layers_group():
+    """The geometry node group "Synch Open Layers", built when missing and rebuilt in place when outdated."""
+    tree, canvas = group_tree(OPEN_NAME, f"{VERSION}", _OPEN_INPUTS, _OPEN_OUTPUTS, GeometryCanvas)
+    if canvas is None:
+        return tree
+    tree.is_modifier = True
+    inputs = canvas.inputs()
+    (layer,) = canvas.attribute(LAYER.name, "Fac")
+    values = {"Geometry": inputs["Geometry"], 2: layer}
+    node = canvas.node("GeometryNodeAttributeStatistic", 1, "layers", values, data_type="FLOAT", domain="FACE")
+    last = Expression(canvas, node.outputs["Max"], 1)
+    box = canvas.node("GeometryNodeBoundBox", 1, "", {"Geometry": inputs["Geometry"]})
+    low, high = (canvas.separate(Expression(canvas, box.outputs[side], 1))[0] for side in ("Min", "Max"))
+    position = Expression(canvas, canvas.node("GeometryNodeInputPosition", 0).outputs["Position"], 0)
+    x, _, _ = canvas.separate(position)
+    # A little more than nothing, so that nothing goes where both are 0.
+    is_cut = (x > high - (high - low) * (inputs["Cut Open"] - 1e-4)).named("cut away?")
+    is_peeled = (layer > last - (last + 1.0) * inputs["Peel"] + 1e-3).named("peeled?")
+    gone = is_cut.maximum(is_peeled)
+    values = {"Geometry": inputs["Geometry"], "Selection": gone}
+    node = canvas.node("GeometryNodeDeleteGeometry", gone.depth + 1, "", values, domain="FACE")
+    canvas.outputs(Geometry=Expression(canvas, node.outputs["Geometry"], gone.depth + 1))
+    return tree
 
 
 def layer_material(obj, count):

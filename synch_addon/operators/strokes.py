@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators of the tool that draws guide strokes: from the press of a button to its release.
+"""Operators that are a drag of the mouse, from the press of a button to its release: those of the tool that draws
+guide strokes.
 
-Nothing is changed before the release: Esc leaves no trace, and each drag is one step of undo.
+Nothing of strokes is changed before the release: Esc leaves no trace, and each drag is one step of undo.
 """
 
 import bpy
@@ -14,6 +15,7 @@ from ...core.geometry.drawn import parts, simplify_polyline, smooth_polyline
 from ...core.geometry.polylines import polyline_length, resample_polyline
 from ..blender.meshes import refusal
 from ..blender.translations import translate
+from ..panels.overlay_view import distances_on_screen
 from ..panels.strokes import view
 from ..patterns import guide_strokes
 from ..patterns.picking import PickedSurface
@@ -32,7 +34,8 @@ class StrokeOperator:
     """A drag of the mouse, as a mixin of operators.
 
     Subclasses have ``move``, called for each sample of the drag, and ``finish``, called at its end, which returns a
-    line that says what was done, or None for nothing.
+    line that says what was done, or None for nothing. ``take_back`` is called where Esc ends it, with the object, or
+    None where that is gone.
     """
 
     bl_options = {"UNDO", "INTERNAL"}
@@ -66,6 +69,7 @@ class StrokeOperator:
     def modal(self, context, event):
         obj = bpy.data.objects.get(self._object_name)
         if obj is None or event.type in {"ESC", "RIGHTMOUSE"}:
+            self.take_back(obj)
             return self._end(context, {"CANCELLED"})
         if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE"}:
             self._step(context, event, obj)
@@ -76,6 +80,9 @@ class StrokeOperator:
                 self.report({"INFO"}, line)
             return self._end(context, {"CANCELLED"} if line is None else {"FINISHED"})
         return {"RUNNING_MODAL"}
+
+    def take_back(self, obj):
+        """Nothing is changed before the end, by default."""
 
     def cancel(self, context):
         """Show the normal status bar again."""
@@ -204,15 +211,6 @@ def pixel_size(context, matrix, mouse, place):
     middle = region_2d_to_location_3d(context.region, context.region_data, mouse, depth)
     inverse = matrix.inverted().to_3x3()
     return float(np.mean([(inverse @ (end - middle)).length for end in ends]))
-
-
-def distances_on_screen(context, matrix, points, mouse):
-    """(p,) pixels from a place of the region to (p, 3) points of an object's space; infinite behind the viewer."""
-    seen = np.column_stack([points, np.ones(len(points))]) @ np.array(context.region_data.perspective_matrix @ matrix).T
-    ahead = seen[:, 3] > 0
-    size = np.array([context.region.width, context.region.height]) / 2
-    pixels = size * (1 + seen[:, :2] / np.where(ahead, seen[:, 3], 1)[:, None])
-    return np.where(ahead, np.linalg.norm(pixels - mouse, axis=1), np.inf)
 
 
 CLASSES = (SYNCH_OT_draw_stroke, SYNCH_OT_erase_strokes, SYNCH_OT_smooth_strokes)

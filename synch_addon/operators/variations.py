@@ -8,7 +8,7 @@ import bpy
 from bpy.props import IntProperty
 
 from ...core.errors import SettingError
-from ...core.fields.placement import nearest_variation, with_defects
+from ...core.fields.placement import nearest_variation, with_line_ends
 from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender.translations import translate
@@ -96,8 +96,9 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
         return f"{_find_variations(report)}; {more:+.1%} energy, against the best"
 
 
-class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operator):
-    """Click on the surface to put a dislocation there, drag to move it, click again for more; Enter ends, Esc undoes"""
+class SYNCH_OT_place_defect(_SolvedOperator, PickingOperator, bpy.types.Operator):
+    """Click on the surface to put a line end there, where a short stripe begins; drag to move it, click again for \
+more; Enter ends, Esc undoes"""
 
     bl_idname = "synch.place_defect"
     bl_label = "Place Defects"
@@ -111,16 +112,19 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
         return reason
 
     def begin(self, obj):
-        self._before, self._vertices = memory.recall(obj), []
-        self._foretold, self._is_slow = None, False
+        self._before = self._onto = memory.recall(obj)
+        self._vertex = self._foretold = None
+        self._is_slow = False
 
     def pick(self, obj, surface, ray, is_moved):
         vertex = surface.vertex_at(*ray)
-        if vertex is None or vertex in self._vertices:
+        if vertex is None or (is_moved and vertex == self._vertex):
             return vertex is not None
-        vertices = [*(self._vertices[:-1] if is_moved else self._vertices), vertex]
-        self.report({"INFO"}, _find_variations(api.place_defects(obj, vertices, renumber=False)))
-        self._vertices = vertices
+        if not is_moved:
+            self._onto = memory.recall(obj)
+        report = api.place_defects(obj, [vertex], renumber=False, onto=self._onto)
+        self.report({"INFO"}, _find_variations(report))
+        self._vertex = vertex
         return True
 
     def foretell(self, obj, surface, ray):
@@ -129,14 +133,15 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
         if self._is_slow or vertex is None or vertex == self._foretold:
             return None
         self._foretold, start = vertex, time.monotonic()
-        now = memory.solve_of(obj).pattern
+        now = memory.state(obj).pattern
         try:
-            then = with_defects(now, [*self._vertices, vertex])
+            then = with_line_ends(now, [vertex])
         except SettingError as error:
             return str(error)
         self._is_slow = time.monotonic() > start + _SOON
         ends = len(then.dislocations) - len(now.dislocations)
-        return translate("Here: {ends:+} line ends, {more:+.1%} energy", ends=ends, more=then.energy / now.energy - 1)
+        more = then.energy / now.energy - 1 if now.energy > 0 else 0.0
+        return translate("Here: {ends:+} line ends, {more:+.1%} energy", ends=ends, more=more)
 
     def keep(self, obj):
         renew_shown(obj)

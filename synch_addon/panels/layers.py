@@ -14,6 +14,7 @@ from ..blender.registration import register_all
 from ..blender.translations import OURS, translate
 from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
+from ..nodes.layers import opening_modifier
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
@@ -51,6 +52,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
         row.scale_y = 1.3
         row.operator("synch.layers", icon="ALIGN_JUSTIFY")
         _draw_estimate(self.layout, obj)
+        draw_opening(self.layout, context.active_object)
         draw_layers(self.layout, obj.synch_layering)
 
 
@@ -66,6 +68,20 @@ class SYNCH_PT_layer_solver(DetailsPanel, bpy.types.Panel):
     @staticmethod
     def settings(context):
         return solid_of(context.active_object).synch_layering
+
+
+def draw_opening(layout, obj):
+    """Sliders that cut layers open and peel them, where the active object is one of layers."""
+    modifier = opening_modifier(obj)
+    if modifier is None:
+        return
+    row = layout.row(align=True)
+    for name in ("Cut Open", "Peel"):
+        key = modifier.node_group.interface.items_tree[name].identifier
+        if hasattr(modifier, "properties"):  # from Blender 5.2 on
+            row.prop(getattr(modifier.properties.inputs, key), "value", text=name, slider=True)
+        else:
+            row.prop(modifier, f'["{key}"]', text=name, slider=True)
 
 
 def draw_layers(layout, stored):

@@ -10,7 +10,7 @@ _OPERATORS = {
     "patterns": "stripes quads directions",
     "background": "cancel keep",
     "result": "variation draw_variation place_defect keep_favourite show_favourite remove_favourite select_defects "
-    "next_defect select_places copy_report pin unpin",
+    "next_defect drag_defect select_places copy_report pin unpin",
     "quads": "quad_mesh quad_mesh_again trace_quads",
     "overlay": "show_loop",
     "looks": "preset asset_library number_stripes",

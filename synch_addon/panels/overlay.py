@@ -3,9 +3,13 @@
 how far apart lines are, a loop of quads, layers.
 
 Every function here takes an object and returns [(points, colour)] in its space: (k, 2, 3) ends of segments
-or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours.
+or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours, or
+(k, 3, 4) at the corners.
 """
 
+from dataclasses import dataclass
+
+import bpy
 import numpy as np
 
 from ...core.errors import SynchError
@@ -15,7 +19,7 @@ from ...core.settings.surface import SYMMETRY_ORDERS
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
 from ..blender.pattern_surface import surface_of
-from ..blender.schema import DIRECTION, LAYER, PHASES, SINGULARITY, SPACING_ERROR
+from ..blender.schema import COLOR, DIRECTION, LAYER, PHASES, SINGULARITY, SPACING_ERROR
 from ..nodes.layers import layer_colors
 from ..patterns.loops import faces_of_loop, shown_edge
 
@@ -36,6 +40,8 @@ WIDE_COLOR, NARROW_COLOR, EVEN_COLOR = (0.85, 0.05, 0.03, 0.8), (0.03, 0.12, 0.8
 FULL_COLOR_AT = 1.5
 # Of pinned faces around which directions are not to turn.
 UNTURNED_COLOR = (0.45, 0.45, 0.45, 1.0)
+# Opacity of colours through which the shading of Solid view is seen.
+SHEER = 0.75
 LOOP_COLOR, SPIRAL_COLOR = (1.0, 0.45, 0.0, 0.8), (0.85, 0.0, 0.5, 0.8)
 
 
@@ -62,31 +68,55 @@ def _directions(obj, draw):
     return [(segments @ np.linalg.inv(given.stretch).T, DIRECTION_COLOR)]
 
 
-def defect_points(obj):
-    """Disclinations and dislocations by sign, from the attributes that they were written to.
+@dataclass(frozen=True)
+class Dots:
+    """Defects of an object, as they are drawn: of which kinds, with their (n,) indices and faces and (n, 3) places.
+
+    Faces are those of the mesh that carries the pattern.
+    """
+
+    kinds: np.ndarray
+    indices: np.ndarray
+    faces: np.ndarray
+    places: np.ndarray
+
+    @property
+    def colours(self):
+        """The colour of each."""
+        return [DEFECT_COLORS[kind][int(index < 0)] for kind, index in zip(self.kinds, self.indices, strict=True)]
+
+
+def defect_dots(obj):
+    """The :class:`Dots` of an object, from the attributes that its defects were written to.
 
     A quad with a disclination has no index: what dislocation its other triangle has is a part of how its values close.
     """
     obj = surface_of(obj)
-    if not len(obj.data.polygons):
-        return []
-    polygons = meshes.read_polygons(obj)
-    places = attributes.read_values(obj, "position", "POINT")
-    corners = np.add.reduceat(places[polygons.corner_vertices], polygons.starts)
-    centres = places[polygons.triangles].mean(axis=1)
-    first = polygons.first_triangles
-    found = {}
-    (stripes,) = PHASES["stripes"]
-    for attribute, kind, at in (
-        (SINGULARITY, "disclination", corners / polygons.sizes[:, None]),
-        (stripes.index, "dislocation", centres[first]),
-        (stripes.index_2, "dislocation", centres[np.minimum(first + 1, len(centres) - 1)]),
-    ):
-        index = attributes.read(obj, attribute)
-        if index is not None:
-            for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
-                found.setdefault(colour, []).append(at[chosen])
-    return _not_empty([(np.concatenate(points), colour) for colour, points in found.items()])
+    kinds, indices, faces, places = [], [], [], []
+    if len(obj.data.polygons):
+        polygons = meshes.read_polygons(obj)
+        corners = attributes.read_values(obj, "position", "POINT")
+        sums = np.add.reduceat(corners[polygons.corner_vertices], polygons.starts)
+        centres, first = corners[polygons.triangles].mean(axis=1), polygons.first_triangles
+        second = np.minimum(first + 1, len(centres) - 1)
+        found = [(SINGULARITY, "disclination", sums / polygons.sizes[:, None])]
+        for phase in (phase for of_kind in PHASES.values() for phase in of_kind):
+            found += [(phase.index, "dislocation", centres[first]), (phase.index_2, "dislocation", centres[second])]
+        for attribute, kind, at in found:
+            index = attributes.read(obj, attribute)
+            chosen = np.flatnonzero(index) if index is not None else []
+            if len(chosen):
+                kinds += [kind] * len(chosen)
+                indices, faces, places = [*indices, *index[chosen]], [*faces, *chosen], [*places, *at[chosen]]
+    return Dots(np.array(kinds), np.array(indices, float), np.array(faces, int), np.reshape(places, (-1, 3)))
+
+
+def defect_points(obj):
+    """The places of an object's :func:`defect_dots` by their colours."""
+    dots = defect_dots(obj)
+    return [
+        (dots.places[[other == colour for other in dots.colours]], colour) for colour in dict.fromkeys(dots.colours)
+    ]
 
 
 def pin_points(obj):
@@ -117,13 +147,24 @@ def spacing_errors(obj):
 
 
 def layer_faces(obj):
-    """The faces of layers in the colours of their material."""
+    """The faces of layers, as modifiers leave them, in the colours of their material."""
+    obj = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     layers = attributes.read(obj, LAYER)
     if layers is None or not len(layers):
         return []
     polygons = meshes.read_polygons(obj)
     corners = attributes.read_values(obj, "position", "POINT")[polygons.triangles]
     return [(corners, layer_colors(layers)[polygons.triangle_faces])]
+
+
+def sphere_faces(obj):
+    """The faces of tubes, or of a surface with a flow, in the colours of the points of the sphere at their vertices."""
+    colors = attributes.read(obj, COLOR)
+    if colors is None or not len(obj.data.polygons):
+        return []
+    triangles = meshes.read_polygons(obj).triangles
+    corners = attributes.read_values(obj, "position", "POINT")[triangles]
+    return [(corners, (colors * (1, 1, 1, SHEER))[triangles])]
 
 
 def error_colors(errors):

@@ -15,6 +15,7 @@ from mathutils import Matrix
 from ..blender.changes import changes
 from ..blender.pattern_surface import surface_of
 from ..blender.registration import register_all
+from ..blender.schema import LAYER
 from ..jobs.lru_cache import LruCache
 from ..patterns.loops import shown_edge
 from .overlay import (
@@ -26,7 +27,9 @@ from .overlay import (
     loop_faces,
     pin_points,
     spacing_errors,
+    sphere_faces,
 )
+from .pattern_shader import draw_dots, shaders
 from .sidebar import SidebarPanel, property_column
 
 # Everything is drawn nearer by this share of its distance, so that it does not fight with the faces.
@@ -34,11 +37,12 @@ NEARER = 2e-3
 # In pixels.
 LINE_WIDTHS = {"MARKS": 1.5, "STREAMLINES": 1.5, "CONSTRAINTS": 3.0}
 POINT_SIZES = {"PINS": 18.0, "DEFECTS": 10.0}
-_SHADERS = {"TRIS": "FLAT_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR", "POINTS": "POINT_UNIFORM_COLOR"}
+_SHADERS = {"TRIS": "SMOOTH_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR"}
 
 # In the order of drawing.
 _PARTS = {
     "LAYERS": layer_faces,
+    "SPHERE": sphere_faces,
     "SPACING": spacing_errors,
     "LOOP": loop_faces,
     "MARKS": direction_marks,
@@ -56,6 +60,12 @@ class SynchOverlay(bpy.types.PropertyGroup):
     """What is shown in a scene."""
 
     show: BoolProperty(name="Overlay", description="Draw the field of the active object over it")
+    defects: BoolProperty(
+        name="Dots",
+        description="Draw swirl points and line ends of the active object as dots, in the colours of their empties. "
+        "Click one to select its empty, drag it to move it",
+        default=True,
+    )
     pattern: BoolProperty(
         name="Solid", description="Draw patterns in Solid view too, which shows no materials by itself", default=True
     )
@@ -68,9 +78,6 @@ class SynchOverlay(bpy.types.PropertyGroup):
             ("STREAMLINES", "Streamlines", "Lines that follow the directions"),
         ],
         default="MARKS",
-    )
-    defects: BoolProperty(
-        name="Defects", description="Disclinations and dislocations, in the colours of their empties", default=True
     )
     constraints: BoolProperty(
         name="Constraints",
@@ -87,9 +94,10 @@ class SynchOverlay(bpy.types.PropertyGroup):
     @property
     def parts(self):
         """Names of the parts to draw."""
-        chosen = {self.directions}
-        chosen |= {part for part in ("DEFECTS", "CONSTRAINTS", "SPACING", "LOOP") if getattr(self, part.lower())}
-        chosen |= {"PINS"} if self.constraints else set()
+        chosen = {"DEFECTS"} if self.defects else set()
+        if self.show:
+            chosen |= {self.directions, "PINS" if self.constraints else ""}
+            chosen |= {part for part in ("CONSTRAINTS", "SPACING", "LOOP") if getattr(self, part.lower())}
         return [part for part in _PARTS if part in chosen]
 
 
@@ -115,7 +123,6 @@ class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
         column = property_column(self.layout)
         column.active = overlay.show
         column.prop(overlay, "directions")
-        column.prop(overlay, "defects")
         column.prop(overlay, "constraints")
         column.prop(overlay, "spacing")
         row = column.row(align=True)
@@ -126,7 +133,7 @@ class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
 def shown_object(context):
     """The object whose field is drawn in the view of a context, or None."""
     obj, space = context.active_object, context.space_data
-    if not context.scene.synch_overlay.show or not space.overlay.show_overlays:
+    if not context.scene.synch_overlay.parts or not space.overlay.show_overlays:
         return None
     if obj is None or obj.type != "MESH" or obj.mode == "EDIT":  # in edit mode the attributes are not there
         return None
@@ -140,7 +147,9 @@ def key(obj):
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
     settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
-    return changes.state(obj.data), changes.state(surface_of(obj).data), proportions.tobytes(), *settings
+    # Layers are drawn as modifiers leave them.
+    shape = changes.state(obj) if LAYER.name in obj.data.attributes else None
+    return changes.state(obj.data), changes.state(surface_of(obj).data), shape, proportions.tobytes(), *settings
 
 
 def layers(obj, part):
@@ -156,15 +165,25 @@ def layers(obj, part):
 
 
 def _layer(points, colour):
-    kind = "TRIS" if np.ndim(colour) == 2 else "LINES" if points.ndim == 3 else "POINTS"
+    kind = "TRIS" if np.ndim(colour) > 1 else "LINES" if points.ndim == 3 else "POINTS"
     values = {"pos": np.ascontiguousarray(points, np.float32).reshape(-1, 3)}
     if kind == "TRIS":
-        values["color"] = np.repeat(np.float32(colour), 3, axis=0)
-    return batch_for_shader(_shader(kind), kind, values), kind, colour
+        values["color"] = np.broadcast_to(np.reshape(np.float32(colour), (len(points), -1, 4)), (len(points), 3, 4))
+        values["color"] = values["color"].reshape(-1, 4)
+    return batch_for_shader(shaders.dots if kind == "POINTS" else _shader(kind), kind, values), kind, colour
 
 
 def _shader(kind):
     return gpu.shader.from_builtin(_SHADERS[kind])
+
+
+def distances_on_screen(context, matrix, points, mouse):
+    """(p,) pixels from a place of the region to (p, 3) points of an object's space; infinite behind the viewer."""
+    seen = np.column_stack([points, np.ones(len(points))]) @ np.array(context.region_data.perspective_matrix @ matrix).T
+    ahead = seen[:, 3] > 0
+    size = np.array([context.region.width, context.region.height]) / 2
+    pixels = size * (1 + seen[:, :2] / np.where(ahead, seen[:, 3], 1)[:, None])
+    return np.where(ahead, np.linalg.norm(pixels - mouse, axis=1), np.inf)
 
 
 def nearer(view):
@@ -182,16 +201,16 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
         gpu.matrix.load_matrix(view_matrix @ obj.matrix_world)
         for part in parts:
             for batch, kind, colour in layers(obj, part):
-                shader = _shader(kind)
-                if kind != "TRIS":
-                    shader.uniform_float("color", colour)
                 if kind == "POINTS":
-                    gpu.state.point_size_set(POINT_SIZES[part] * pixel)
+                    projection = gpu.matrix.get_projection_matrix()
+                    draw_dots(batch, colour, POINT_SIZES[part] * pixel, view_matrix @ obj.matrix_world, projection)
+                    continue
+                shader = _shader(kind)
                 if kind == "LINES":
+                    shader.uniform_float("color", colour)
                     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
                     shader.uniform_float("lineWidth", LINE_WIDTHS[part] * pixel)
                 batch.draw(shader)
-    gpu.state.point_size_set(1.0)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Patterns drawn by the graphics card from phases at the corners of triangles, in the colours of their materials."""
+"""What the graphics card draws by shaders of our own: patterns, from phases at the corners of triangles, in the colours
+of their materials, and dots."""
 
 import math
 
@@ -46,6 +47,28 @@ void main()
 """
 
 
+# Dots are drawn nearer by their radius, so that a slope does not cut them.
+_DOT_VERTEX = """
+void main()
+{
+  vec4 place = view * vec4(pos, 1.0);
+  vec4 seen = projection * place;
+  place.z += size * seen.w / (projection[1][1] * height);
+  seen.z = (projection * place).z * seen.w / (projection * place).w;
+  gl_Position = seen;
+  gl_PointSize = size;
+}
+"""
+_DOT_FRAGMENT = """
+void main()
+{
+  float inside = (0.5 - length(gl_PointCoord - vec2(0.5))) * size;
+  float rim = smoothstep(1.0, 2.0, inside);
+  color = vec4(mix(vec3(0.0), ink.rgb, rim), ink.a * smoothstep(-0.5, 0.5, inside));
+}
+"""
+
+
 class _Shaders:
     """The shaders, each made when it is first used."""
 
@@ -58,6 +81,13 @@ class _Shaders:
         if key not in self._made:
             self._made[key] = _shader(of_quads, covers)
         return self._made[key]
+
+    @property
+    def dots(self):
+        """The shader of dots."""
+        if "dots" not in self._made:
+            self._made["dots"] = _dot_shader()
+        return self._made["dots"]
 
     def forget(self):
         """Give all back to the graphics card."""
@@ -134,4 +164,32 @@ def _shader(of_quads, covers):
     info.fragment_out(0, "VEC4", "color")
     info.vertex_source(_VERTEX)
     info.fragment_source(_FRAGMENT)
+    return gpu.shader.create_from_info(info)
+
+
+def draw_dots(batch, ink, size, view, projection):
+    """Draw the points of a batch as round dots of so many pixels into the active framebuffer; matrices as of
+    :class:`DrawnPattern`, ``ink`` with its alpha."""
+    gpu.state.program_point_size_set(True)
+    shader = shaders.dots
+    shader.uniform_float("view", view)
+    shader.uniform_float("projection", projection)
+    shader.uniform_float("ink", ink)
+    shader.uniform_float("size", size)
+    shader.uniform_float("height", gpu.state.viewport_get()[3])
+    batch.draw(shader)
+    gpu.state.program_point_size_set(False)
+
+
+def _dot_shader():
+    info = gpu.types.GPUShaderCreateInfo()
+    for name in ("view", "projection"):
+        info.push_constant("MAT4", name)
+    info.push_constant("VEC4", "ink")
+    for name in ("size", "height"):
+        info.push_constant("FLOAT", name)
+    info.vertex_in(0, "VEC3", "pos")
+    info.fragment_out(0, "VEC4", "color")
+    info.vertex_source(_DOT_VERTEX)
+    info.fragment_source(_DOT_FRAGMENT)
     return gpu.shader.create_from_info(info)

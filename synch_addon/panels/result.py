@@ -66,7 +66,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             draw_cost(layout, obj, result)
         if not simple and result["command"] != "directions":
             draw_favourites(layout, obj.synch.favourites)
-        draw_shown_defects(layout, obj)
+        draw_shown_defects(layout, obj, context.scene.synch_overlay)
         if not simple:
             if held:
                 placing = any(operator.bl_idname == PLACING for operator in context.window.modal_operators)
@@ -99,18 +99,18 @@ def _found(context):
     return read_result_or_empty(context.active_object.synch.result)
 
 
-def draw_shown_defects(layout, obj):
-    """Whether the empties of an object's defects are seen."""
-    defects = collection_of_defects(obj)
+def draw_shown_defects(layout, obj, overlay):
+    """How the defects of an object are seen: as dots, and as empties."""
+    row, defects = layout.row(align=True), collection_of_defects(obj)
+    row.prop(overlay, "defects", toggle=True, icon="DOT")
     if defects is not None:
-        layout.prop(defects, "hide_viewport", text="Show Defects", invert_checkbox=True)
+        row.prop(defects, "hide_viewport", text="Empties", toggle=True, invert_checkbox=True, icon="EMPTY_AXIS")
 
 
 def draw_cost(layout, obj, result):
-    """How much more energy what is shown has than the solution of the same solve, where it is another one."""
-    solved = memory.solve_of(obj)
-    best = solved.shown.solution
-    if solved.change is not None and best is not None and best.energy > 0:
+    """How much more energy what is shown has than the solution of the same solve, in a line that is always there."""
+    best = memory.solve_of(obj).shown.solution
+    if best is not None and best.energy > 0:
         more = result["energy"] / best.energy - 1
         layout.label(text=translate("{more:+.1%} energy, against the best", more=more), icon="BLANK1", translate=False)
 

@@ -12,7 +12,7 @@ from ..blender import attributes, meshes
 from ..blender.changes import changes
 from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind, read_phases
-from ..blender.schema import LAYER
+from ..blender.schema import COLOR, LAYER
 from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
 from .look import look_of
@@ -71,9 +71,9 @@ def shown_objects(context):
 
 
 def layer_objects(context):
-    """The objects of layers that are drawn in the view of a context."""
+    """The objects of layers and tubes that are drawn in the view of a context."""
     for obj in context.visible_objects:
-        if obj.type == "MESH" and obj.mode != "EDIT" and LAYER.name in obj.data.attributes:
+        if obj.type == "MESH" and obj.mode != "EDIT" and {LAYER.name, COLOR.name} & set(obj.data.attributes.keys()):
             yield obj
 
 
@@ -110,7 +110,7 @@ class _View:
             return
         region, depsgraph = context.region_data, context.evaluated_depsgraph_get()
         for obj in layer_objects(context):
-            draw_object(obj, ["LAYERS"], nearer(region) @ region.view_matrix)
+            draw_object(obj, ["LAYERS", "SPHERE"], nearer(region) @ region.view_matrix)
         for obj in shown_objects(context):
             pattern = drawn_pattern(obj, depsgraph)
             if pattern is not None:

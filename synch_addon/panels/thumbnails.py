@@ -21,8 +21,9 @@ from ..jobs.lru_cache import LruCache
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
 from ..patterns import memory
 
-# Variations that have one, in rows of so many; pixels across; how large they are drawn, in icons.
-MOST, ACROSS, PIXELS, SCALE = 6, 3, 128, 3.6
+# Variations that have one, in a row; pixels across; how large they are drawn, in icons.
+MOST, PIXELS, SCALE = 3, 128, 3.6
+_BLANK = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items["BLANK1"].value
 # Times the best energy from which on it is not told how much.
 _MUCH = 10
 # Share of the line ends that may lie elsewhere in variations that look alike.
@@ -167,11 +168,12 @@ def draw_variations(layout, obj, result):
     gallery = galleries.of(obj)
     if gallery is None:
         return
-    grid = layout.grid_flow(row_major=True, columns=ACROSS, even_columns=True, align=True)
-    for number in range(gallery.count):
+    grid = layout.grid_flow(row_major=True, columns=MOST, even_columns=True, align=True)
+    for number in range(MOST):
         cell = grid.column(align=True)
-        if number >= len(gallery.made):
-            cell.label(text="…", translate=False)
+        if number >= len(gallery.made):  # the box of a picture to come, or of one that looks like another
+            cell.template_icon(icon_value=_BLANK, scale=SCALE)
+            cell.label(text="…" if number < gallery.count else "", translate=False)
             continue
         variation = gallery.made[number]
         number = variation.number

@@ -64,6 +64,11 @@ class Solved:
         """The field and the pattern, None for none, with ``shown`` in place of the present :attr:`shown`."""
         return (shown, None) if self.pattern is None else (self.field, shown)
 
+    def then(self, edit):
+        """The change of the solution that leads to this state and on to what ``edit`` makes of it."""
+        before = self.change
+        return edit if before is None else lambda solution: edit(solution._with(before(solution)))
+
     def restored(self):
         """The state that :meth:`compact` was called on: the phases of its variation are computed again."""
         return self if self.change is None else self._with(self.change(self))

@@ -19,7 +19,7 @@ from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
 from ..blender.new_geometry import add_spline, new_mesh
 from ..blender.objects import hide, set_mode
 from ..blender.transaction import assign, at_the_end, drop, leave, store, undone_by
-from ..nodes.layers import curve_material, layer_material
+from ..nodes.layers import curve_material, layer_material, open_layers
 from ..nodes.materials import pattern_material
 from ..patterns import memory, write
 from .links import MADE, SOLID, made_of
@@ -79,6 +79,7 @@ def _write_layers(obj, layering):
     made = place_object(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
     attributes.write(made, schema.LAYER, surfaces.layers)
     layer_material(made, surfaces.count)
+    open_layers(made)
     return made
 
 

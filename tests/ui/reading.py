@@ -12,13 +12,14 @@ _ALIKE = 0.96
 _STEPS = (0.0, 0.25, 0.5, 0.75)
 
 
-def places(picture, template):
+def places(picture, template, alike=_ALIKE):
     """Where a picture shows a text.
 
     Parameters
     ----------
     picture : (height, width, 3) bytes
     template : (h, w) the text alone, bright on dark, with its margin
+    alike : correlation from which a place shows it
 
     Returns
     -------
@@ -30,7 +31,7 @@ def places(picture, template):
         return np.zeros((0, 2))
     score = np.max([_correlation(grey, shift(template.astype(float), (0, step), order=1)) for step in _STEPS], axis=0)
     found = []
-    while score.max() >= _ALIKE:
+    while score.max() >= alike:
         row, column = np.unravel_index(score.argmax(), score.shape)
         found.append((column + width / 2, row + height / 2))
         score[max(row - height // 2, 0) : row + height // 2, max(column - width // 2, 0) : column + width // 2] = 0

@@ -29,11 +29,11 @@ def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
 
     figures(panel, result(panel))
     panel.wait_for(panel.says("{length} apart on {count:,} faces", length="80 cm", count=1280))
-    panel.scroll_to("Show Defects", up=True)
-    panel.click("Show Defects")
+    panel.scroll_to("Empties", up=True)
+    panel.click("Empties")
     panel.until("all(not empty.visible_get() for empty in active().children)")
     assert panel.value("len(active().children)") > 0
-    panel.click("Show Defects")
+    panel.click("Empties")
     panel.until("all(empty.visible_get() for empty in active().children)")
 
     assert not panel.shows("Mesh Changed: Solve Again")

@@ -12,6 +12,7 @@ from mathutils import Matrix
 from scipy.spatial import cKDTree
 
 from synch_fields import synch_addon
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import changes, meshes
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
 from synch_fields.synch_addon.panels import overlay, overlay_view
@@ -81,6 +82,16 @@ def test_defects_lie_where_the_empties_do_and_have_their_colours():
         # A disclination is shown at the middle of its quad, its empty lies in one of its triangles.
         tolerance = 0.1 if alike[0]["synch_kind"] == "disclination" else 1e-5
         assert cKDTree([e.location for e in alike]).query(places)[0].max() < tolerance
+
+
+def test_line_ends_of_quads_are_dots_too():
+    obj = scenes.quad_sphere(9)
+    api.quads(obj, spacing=0.4)
+    report = api.place_defects(obj, [20])
+    dots = overlay.defect_dots(obj)
+    found = set(dots.faces[dots.kinds == "dislocation"].tolist())
+    torn = set(dots.faces[dots.kinds == "disclination"].tolist())
+    assert found == {defect["face"] for defect in report["dislocations"]} - torn and found
 
 
 def test_constrained_edges_have_the_colour_of_what_they_ask_for():
@@ -269,6 +280,8 @@ def test_only_a_visible_mesh_is_shown_and_only_where_the_switch_is_on():
         )
 
     view.overlay.show_overlays = True
+    assert shown() == obj  # its dots
+    scene.synch_overlay.defects = False
     assert shown() is None
     scene.synch_overlay.show = True
     assert shown() == obj
@@ -284,6 +297,8 @@ def test_only_a_visible_mesh_is_shown_and_only_where_the_switch_is_on():
 
 def test_parts_follow_the_switches():
     shown = bpy.context.scene.synch_overlay
+    assert shown.parts == ["DEFECTS"]
+    shown.show = True
     assert shown.parts == ["MARKS", "CONSTRAINTS", "PINS", "DEFECTS"]
     shown.directions, shown.defects, shown.constraints = "STREAMLINES", False, False
     assert shown.parts == ["STREAMLINES"]
@@ -368,6 +383,15 @@ def test_faces_are_painted_and_lines_are_seen_over_them(canvas):
     assert not drawn(canvas, obj, ["SPACING"], depth=0.6).any(), "something nearer hides it"
     seam = drawn(canvas, obj, ["SPACING", "CONSTRAINTS"])[31:33, 24:40]
     assert (seam[..., 0] > 0.5).any(axis=0).all() and (seam[..., 2] > 0.3).any(axis=0).all()
+
+
+def test_tubes_have_the_colours_of_their_points(canvas):
+    obj = scenes.add_object([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [(0, 1, 2, 3)])
+    assert overlay.sphere_faces(obj) == []
+    colors = np.float32([(1, 0, 0, 1), (1, 0, 0, 1), (0, 0, 1, 1), (0, 0, 1, 1)])
+    obj.data.attributes.new("synch_color", "FLOAT_COLOR", "POINT").data.foreach_set("color", colors.ravel())
+    picture = drawn(canvas, obj, ["SPHERE"])
+    assert picture[4, 32, 0] > 2 * picture[4, 32, 2] and picture[60, 32, 2] > 2 * picture[60, 32, 0]
 
 
 def test_picture_follows_a_change_of_the_attribute(canvas):

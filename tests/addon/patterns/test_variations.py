@@ -78,7 +78,7 @@ def test_a_placed_defect_is_in_a_face_at_the_vertex(build, command):
 def test_what_a_defect_costs_is_told_before_the_click():
     obj = sphere()
     before = SOLVES["stripes"](obj)
-    operator = SimpleNamespace(_vertices=[], _foretold=None, _is_slow=False)
+    operator = SimpleNamespace(_foretold=None, _is_slow=False)
     surface = SimpleNamespace(vertex_at=lambda *ray: 11)
     line = SYNCH_OT_place_defect.foretell(operator, obj, surface, (None, None))
     assert SYNCH_OT_place_defect.foretell(operator, obj, surface, (None, None)) is None  # it is told already
@@ -97,6 +97,50 @@ def test_what_was_shown_comes_back_as_it_was():
     assert snapshot() != before
     api.show_again(obj, shown)
     assert snapshot() == before and memory.recall(obj).plain == shown.plain
+
+
+@pytest.mark.parametrize("command", ["stripes", "quads"])
+@pytest.mark.parametrize("build", MESHES)
+def test_a_line_end_that_is_moved_lies_in_its_new_face(build, command):
+    obj = build()
+    SOLVES[command](obj)
+    placed = api.place_defects(obj, [20])
+    start = placed["dislocations"][0]["face"]
+    taken = {defect["face"] for kind in ("disclinations", "dislocations") for defect in placed[kind]}
+    middles = np.array([face.center for face in obj.data.polygons])
+    apart = np.linalg.norm(middles - middles[start], axis=1)
+    end = min((face for face in range(len(middles)) if face not in taken), key=lambda face: abs(apart[face] - 0.4))
+    onto = memory.recall(obj)
+    moved = api.move_defect(obj, start, end)
+    faces = [defect["face"] for defect in moved["dislocations"]]
+    assert end in faces and len(faces) <= len(placed["dislocations"])  # two may meet
+    api.move_defect(obj, start, end, onto=onto)
+    assert sorted(faces) == sorted(empty["synch_face"] for empty in empties(obj, "dislocation"))
+
+
+def test_edits_after_one_another_come_back_from_what_is_kept_of_them():
+    obj = sphere()
+    SOLVES["stripes"](obj)
+    api.vary(obj, 1)
+    api.place_defects(obj, [5])
+    api.place_defects(obj, [40])
+    shown = memory.recall(obj)
+    again = shown.compact().restored()
+    np.testing.assert_allclose(again.pattern.phases, shown.pattern.phases)
+    assert again.pattern.energy == pytest.approx(shown.plain["energy"]) and shown.number == 1
+
+
+def test_a_line_end_that_is_not_there_cannot_be_moved():
+    obj = sphere()
+    report = SOLVES["stripes"](obj)
+    taken = {defect["face"] for kind in ("disclinations", "dislocations") for defect in report[kind]}
+    free = next(face for face in range(len(obj.data.polygons)) if face not in taken)
+    bpy.context.view_layer.update()
+    before = snapshot()
+    for start, end, words in ((free, free, "not there any more"), (free, 10**6, "there is no face 1000000")):
+        with pytest.raises(SettingError, match=words):
+            api.move_defect(obj, start, end)
+    assert snapshot() == before
 
 
 def test_what_was_not_solved_has_no_variations():
@@ -153,12 +197,13 @@ def test_methods_without_a_lifted_field_say_that_they_do_not_vary(method):
     obj = sphere()
     api.stripes(obj, spacing=0.5, method=method)
     written, line = snapshot()["meshes"], obj.synch.result
-    for name in ("draw_variation", "variation", "place_defect"):
+    for name in ("draw_variation", "variation"):
         with pytest.raises(RuntimeError, match="only the semidefinite method finds variations"):
             getattr(bpy.ops.synch, name)()
     obj.synch_shown.variation = 50
     assert (obj.synch_shown.variation, obj.synch.result) == (0, line) and snapshot()["meshes"] == written
     assert memory.recall(obj).varies is False and api.isolines(obj)["lines"]
+    assert len(api.place_defects(obj, [11])["dislocations"]) > 1
 
 
 def test_the_slider_goes_back_where_the_mesh_has_changed_and_on_when_that_is_undone():

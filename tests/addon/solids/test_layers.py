@@ -12,6 +12,9 @@ import pytest
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.nodes.canvas import set_inputs
+from synch_fields.synch_addon.nodes.layers import opening_modifier
+from synch_fields.synch_addon.panels.overlay import layer_faces
 from synch_fields.synch_addon.solids import memory
 
 from ..scenes import (
@@ -277,3 +280,27 @@ def test_cancelling_leaves_nothing():
         assert snapshot() == before
     with pytest.raises(SettingError, match="the setting 'spacings' is unknown"):
         api.layers(obj, spacings=1)
+
+
+def test_layers_are_cut_open_and_peeled_by_their_modifier():
+    obj, settings = block((1.0, 0.8, 0.6)), {"guidance": "axis:Z", "size": 0.1}
+    layers = made(api.layers(obj, spacing=0.1, **settings))
+    modifier = opening_modifier(layers)
+
+    def seen(**values):
+        set_inputs(modifier, values)
+        bpy.context.view_layer.update()
+        mesh = layers.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        numbers = [item.value for item in mesh.attributes["synch_layer"].data]
+        return len(numbers), max(numbers), max(vertex.co.x for vertex in mesh.vertices)
+
+    whole, last, right = seen()
+    assert whole == len(layers.data.polygons)
+    count, top, cut = seen(**{"Cut Open": 0.5})
+    width = right - min(vertex.co.x for vertex in layers.data.vertices)
+    assert count < whole and top == last and cut < right - 0.3 * width
+    count, top, _ = seen(**{"Cut Open": 0.0, "Peel": 0.5})
+    assert count < whole and abs(top - last / 2) <= 1
+    [(corners, _)] = layer_faces(layers)
+    assert len(corners) == count  # the overlay shows what is left
+    assert len(made(api.layers(obj, spacing=0.2, **settings)).modifiers) == 1
