@@ -88,6 +88,11 @@ def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridF
         components = [(values[..., k], places) for k in range(3)]
     else:
         components = [_placed(arrays[name], arrays) for name in chosen]
+        for axis, (values, places) in enumerate(components):
+            other_values, other_places = components[axis - 1]
+            is_longer = values.shape[axis] == other_values.shape[axis] + 1
+            if is_longer and places[axis][0] == other_places[axis][0]:  # on the sides of cells, without coordinates
+                places[axis] = places[axis] - 0.5 * (places[axis][1] - places[axis][0])
         components += [(0 * components[0][0], components[0][1])] * (3 - len(components))
         sizes = np.array([part.shape for part, _ in components])
         if (np.ptp(sizes, axis=0) > 1).any():

@@ -2,8 +2,8 @@
 """Flows of other programs: VTK's images (.vti), read here, files for pyvista or meshio where they are installed, and
 NetCDF and HDF5 (flow_arrays.py).
 
-.vti may be text, base64, or appended raw, compressed by zlib or not. Flows on other meshes of VTK are sampled on a grid,
-whose nodes outside the mesh count as solid.
+.vti may be text, base64, or appended raw, compressed by zlib or not. Flows on other meshes of VTK are sampled on a
+grid, whose nodes outside the mesh count as solid.
 """
 
 import importlib

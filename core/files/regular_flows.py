@@ -84,7 +84,10 @@ def resample_evenly(
         along = components[(axis + 1) % 3][1][axis]
         along = along[(along >= low) & (along <= high)]
         if len(along) < 2:
-            raise SettingError(PLANE if len(components[0][1][axis]) < 2 else f"its components do not overlap along {name}")
+            is_plane = any(len(places[axis]) < 2 for _, places in components)
+            raise SettingError(
+                PLANE if is_plane else f"its components do not overlap along {name}: put them on one grid"
+            )
         axes.append(np.linspace(along[0], along[-1], len(along)))
     vectors = np.stack([_sample(*component, axes, 1) for component in components], axis=3)
     others = {name: _sample(*_increasing(*placed), axes, 0) for name, placed in extra.items()}
