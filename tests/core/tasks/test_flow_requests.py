@@ -85,6 +85,16 @@ def test_thin_cores_few_filaments_and_many_are_warned_of(ring_file):
     assert "the map has no filaments: ask for more filaments, or a smaller circulation of each" in alone.warnings
 
 
+def test_a_circulation_that_carries_too_little_after_all_becomes_smaller(ring_file, monkeypatch):
+    monkeypatch.setattr(flows, "find_quantum", lambda *_: 4.0)  # twice the ring's
+    settings = FlowSettings(resolution=NODES, seed=1, share=0.6)
+    result = FlowRequest(ring_file(), settings).solve()
+    assert result.shown.share > 0.5 and result.found.quantum == 1
+    # Filaments that are left out do not count: none is longer than two boxes.
+    monkeypatch.setattr(flows, "_STUB", 1000.0)
+    assert FlowRequest(ring_file(), settings).solve().found.quantum < result.found.quantum
+
+
 def test_a_sequence_follows_the_ring_and_keeps_its_quantum(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (1, 2, 3))
     stages = []
