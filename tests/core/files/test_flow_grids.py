@@ -7,8 +7,8 @@ import pytest
 from scipy.io import netcdf_file
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.files.flow_grids import GridFlow
 from synch_fields.core.files.flows import flow_file
+from synch_fields.core.files.regular_flows import GridFlow
 
 from .flow_writers import AXES, ORIGIN, SHAPE, SPACING, UVW, VELOCITY, hdf5, netcdf, vti, vtk_mesh
 
