@@ -131,8 +131,7 @@ def showing(found: ClebschMap, sphere: SphericalMap | None, settings: FlowSettin
     grid, lines, tubes, stubs = found.regular_grid, None, None, 0
     if settings.show != "tubes":
         every = filaments(found, settings.smoothing)
-        least = _STUB * grid.spacing.max()
-        lines = [line for line in every if np.ptp(line.whole, axis=0).max() >= least]
+        lines = [line for line in every if (np.ptp(line.whole, axis=0) / grid.spacing).max() >= _STUB]
         stubs = len(every) - len(lines)
     if settings.show != "filaments" and sphere is not None:
         tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)

@@ -167,15 +167,16 @@ def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file, monk
     assert list(fractions) == sorted(fractions)
 
 
-def test_stubs_are_left_out_and_counted():
-    grid = Grid((12, 12, 12))
+@pytest.mark.parametrize("spacing", [1.0, (1.0, 1.0, 40.0)])
+def test_stubs_are_left_out_and_counted(spacing):
+    grid = Grid((12, 12, 12), spacing)
     phases = np.ones(grid.node_count, complex)
     phases[grid.numbers[5, 5, 5]] = -1
     phases[grid.numbers[6, 5, 5]] = np.exp(2.1j)
     found = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0, Options(method="spectral")).with_phases(phases)
     turned = replace(found, integrals=np.random.default_rng(0).uniform(-0.3, 0.3, len(grid.edges)))
     every, shown = filaments(turned), showing(turned, None, FlowSettings(smoothing=0))
-    small = [line for line in every if np.ptp(line.whole, axis=0).max() < 2]
+    small = [line for line in every if (np.ptp(line.whole, axis=0) / spacing).max() < 2]
     assert len(small) > 0 and shown.stubs == len(small) and len(shown.lines) == len(every) - len(small)
     assert any("left out, no longer than two cells" in line for line in shown.missing)
 
