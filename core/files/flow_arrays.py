@@ -105,8 +105,8 @@ def _component_axis(name: str, shape: tuple[int, ...]) -> int | None:
     array of numbers."""
     if len(shape) in (3, 4, 5) and shape[-1] == 3:
         return len(shape) - 1
-    is_usual = name.lower() in (*USUAL, *ROTATIONS)
-    return len(shape) - 4 if is_usual and len(shape) in (4, 5) and shape[-4] == 3 else None
+    is_vector = len(name) > 1 and name.lower() in (*USUAL, *ROTATIONS)  # u and v are components, at three times or more
+    return len(shape) - 4 if is_vector and len(shape) in (4, 5) and shape[-4] == 3 else None
 
 
 def _space(array: Any, component: int | None) -> list[int]:

@@ -116,10 +116,12 @@ def test_damaged_images_are_refused(tmp_path, change, message):
 
 def test_netcdf_counts_z_y_x_and_has_its_coordinates(tmp_path):
     check(flow_file(netcdf(tmp_path / "flow.nc", UVW, AXES)).read())
-    steps = {name: np.stack([values, 0 * values]) for name, values in UVW.items()}
-    flow = flow_file(netcdf(tmp_path / "steps.nc", steps, AXES, 2)).read()
+    steps = {
+        name: np.stack([values, 0 * values, 0 * values]) for name, values in UVW.items()
+    }  # three are no components
+    flow = flow_file(netcdf(tmp_path / "steps.nc", steps, AXES, 3)).read()
     check(flow)
-    assert flow.warnings[0].startswith("of 2 times the first one is shown")
+    assert flow.warnings[0].startswith("of 3 times the first one is shown")
 
 
 def test_axes_are_those_that_dimensions_are_named_after(tmp_path):
