@@ -9,8 +9,8 @@ the semidefinite one (SDP), the two solvers of the paper's Figure 5, on grids of
 (24 and 32 by default).
 
 With --defaults only the table of what the default settings show: which share of the vorticity is carried, beside the
-truth, and how many warnings there are. With --data the same of files of one's own, in any format that is read; the
-library that reads them has to be there.
+truth, and how many warnings there are. With --data the same of files of one's own, alone or beside --defaults, in any
+format that is read; the library that reads them has to be there.
 """
 
 import tempfile
@@ -164,11 +164,12 @@ def shown_by_default(label, source, nodes):
     return row | {"warnings": len(result.warnings)}
 
 
-def defaults(nodes, files):
-    """Print what the default settings show, on grids of so many nodes along the longest side, and of files."""
+def defaults(nodes, with_known, files):
+    """Print what the default settings show of the known flows, if wanted, on grids of so many nodes along the longest
+    side, and of files."""
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        for label, source, link in default_sources(Path(folder), nodes):
+        for label, source, link in default_sources(Path(folder), nodes) if with_known else ():
             if link is not None:
                 rows.append(told(f"{label}: truth", [Filament(curve, 1.0, True) for curve in link], np.zeros(3)))
             rows.append(shown_by_default(label, source, nodes))
@@ -210,6 +211,6 @@ if __name__ == "__main__":
     parser.add_argument("--data", nargs="*", default=[], metavar="FILE[:ATTRIBUTE]", help="flows to add to it")
     given = parser.parse_args()
     if given.defaults or given.data:
-        defaults(given.nodes[-1], given.data)
+        defaults(given.nodes[-1], given.defaults, given.data)
     else:
         main(given.nodes)

@@ -17,7 +17,8 @@ from ..errors import SettingError
 from ..geometry.grid import Grid
 from ..settings.flow import VELOCITY
 from .border import array_bytes, border, check_promise
-from .flow_grids import ARRAYS, IMAGE, MESHES, GridFlow, OtherFile
+from .flow_grids import ARRAYS, IMAGE, MESHES, OtherFile
+from .regular_flows import GridFlow
 from .volumes import VolumeFile
 
 SUFFIXES = (".vdb", ".npz", *IMAGE, *ARRAYS, *MESHES)

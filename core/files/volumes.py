@@ -31,12 +31,17 @@ _FARTHEST, _FARTHEST_VOXEL = 1e30, 2**28
 _ASIDE = 1e-3
 # Names of velocities, the first of which Blender's own liquids have, and of vorticities.
 USUAL, ROTATIONS = (VELOCITY, "vel", "v", "u"), ("vorticity", "vort", "omega", "curl")
-# Ends of the names of components that are grids of their own.
-_ENDS = ((".x", ".y", ".z"), ("_x", "_y", "_z"), ("[0]", "[1]", "[2]"), ("x", "y", "z"))
+# Letters that tell the names of components apart, such as vel.x, X Velocity, B/x, uwnd, vel[0] and vx1.
+_AXES = ("xyz", "uvw", "012", "123")
 
 
 def choose_flow(
-    path: Path, vectors: Sequence[str], numbers: Sequence[str], attribute: str, have: str | None = None
+    path: Path,
+    vectors: Sequence[str],
+    numbers: Sequence[str],
+    attribute: str,
+    have: str | None = None,
+    may_be_level: bool = False,
 ) -> tuple[tuple[str, ...], bool, tuple[str, ...]]:
     """Choose the flow among a file's arrays or grids: the one, or the components of the one, that ``attribute`` names;
     if that is "velocity" and missing, one with another usual name, else a vorticity, else the first one.
@@ -45,10 +50,11 @@ def choose_flow(
     ----------
     vectors, numbers : names of arrays of vectors, and of plain numbers
     have : the content of the file for errors; None for these names
+    may_be_level : whether two components will do, where the file has no third one
 
     Returns
     -------
-    names : of the vectors, or of their three components
+    names : of the vectors, or of their components
     is_curl : whether they are the vorticity
     warnings : lines that the user should read
 
@@ -56,31 +62,40 @@ def choose_flow(
     """
     have = have or ", ".join([*vectors, *numbers]) or "none"
     flows = component_names(numbers) | {name: (name,) for name in vectors}
+    level: tuple[str, ...] = ()
+    if not flows and may_be_level:
+        flows = component_names(numbers, 2)
+        level = ("the flow has two components alone: it counts as level, without a vertical one",)
     if not flows:
         raise SettingError(f"{path}: has no vectors (it has {have}): export the velocity")
     wanted = (*USUAL, *ROTATIONS) if attribute == VELOCITY else (attribute,)
     by_name = {name.lower(): name for name in reversed(flows)}
     found = next((by_name[name.lower()] for name in wanted if name.lower() in by_name), None)
     if found is not None:
-        return flows[found], found.lower() in ROTATIONS, ()
+        return flows[found], found.lower() in ROTATIONS, level
     if attribute != VELOCITY:
         raise SettingError(f"{path}: has no vectors {attribute!r} (it has {have}): name one of these")
     first = (*vectors, *flows)[0]
     warning = f"{first} is taken for the velocity (there are {have}): name another one as the attribute"
-    return flows[first], first.lower() in ROTATIONS, (warning,) if len(flows) > 1 else ()
+    return flows[first], first.lower() in ROTATIONS, ((warning,) if len(flows) > 1 else ()) + level
 
 
-def component_names(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """The three names of each vector whose components have names of their own, by its name."""
+def component_names(names: Sequence[str], count: int = 3) -> dict[str, tuple[str, ...]]:
+    """The names of the first ``count`` components of each vector whose components are apart, by its name.
+
+    They differ in one letter or digit: any x, y, z, a u, v, w at the beginning, or a number at the end.
+    """
     found: dict[str, tuple[str, ...]] = {}
-    for ends in _ENDS:
-        for name in names:
-            base = name.removesuffix(ends[0])
-            parts = tuple(base + end for end in ends)
-            if base not in ("", name) and set(parts) <= set(names) and parts not in found.values():
-                found.setdefault(base, parts)
-    if {"u", "v", "w"} <= set(names):
-        found.setdefault(VELOCITY, ("u", "v", "w"))
+    for axes in _AXES if count == 3 else _AXES[:2]:
+        for name in sorted(names, key=len) if axes == "uvw" else names:
+            for place in range(len(name)):
+                begin, letter, end = name[:place], name[place], name[place + 1 :]
+                if letter.lower() != axes[0] or (begin if axes == "uvw" else axes.isdigit() and end not in ("", "]")):
+                    continue
+                parts = tuple(begin + (axis.upper() if letter.isupper() else axis) + end for axis in axes[:count])
+                base = VELOCITY if axes == "uvw" else (begin + end).strip(" ._-:/[]")
+                if base and set(parts) <= set(names) and parts not in found.values():
+                    found.setdefault(base, parts)
     return found
 
 

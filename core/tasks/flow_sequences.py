@@ -13,8 +13,9 @@ from ..errors import SettingError, name_elements
 from ..fields.clebsch import ClebschMap, SphericalMap, circulations, clebsch_map, quantum_for, spherical_map
 from ..fields.clebsch_frames import solve_next_map, solve_next_sphere
 from ..fields.quantum import find_quantum
-from ..files.flow_grids import GridFlow, SampledFlow
+from ..files.flow_grids import SampledFlow
 from ..files.flows import ArrayFile
+from ..files.regular_flows import GridFlow
 from ..files.volumes import VolumeFile
 from ..geometry.grid import Grid, box_grid
 from ..monitor import Callback, Monitor, portion

@@ -46,8 +46,9 @@ _STUB = 2.0
 # Sampling noise above which vorticity is not resolved, and above which there is none.
 _NOISE, _IRROTATIONAL = 0.8, 2.0
 # Least share of the vorticity that filaments carry without a warning, how far the share of a solve may be below the
-# wanted one, and how many solves with smaller circulations follow where it is further below.
-LEAST_SHARE, _SHORTFALL, _MORE_SOLVES = 0.6, 0.1, 2
+# wanted one, and how many solves with smaller circulations follow where it is further below; below this part of the
+# wanted share the circulation is halved.
+LEAST_SHARE, _SHORTFALL, _MORE_SOLVES, _FAR_BELOW = 0.6, 0.1, 3, 0.5
 # Mean number of filaments through a face above which there is a warning.
 _MANY_QUANTA = 0.25
 # Nodes above which fields are searched for on a coarse stage: half the time, energies larger by some per mille.
@@ -130,8 +131,7 @@ def showing(found: ClebschMap, sphere: SphericalMap | None, settings: FlowSettin
     grid, lines, tubes, stubs = found.regular_grid, None, None, 0
     if settings.show != "tubes":
         every = filaments(found, settings.smoothing)
-        least = _STUB * grid.spacing.max()
-        lines = [line for line in every if np.ptp(line.whole, axis=0).max() >= least]
+        lines = [line for line in every if (np.ptp(line.whole, axis=0) / grid.spacing).max() >= _STUB]
         stubs = len(every) - len(lines)
     if settings.show != "filaments" and sphere is not None:
         tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)
@@ -191,10 +191,16 @@ class FlowResult:
         found = clebsch_map(grid, integrals, quantum, options, portion(progress, 0.1, 0.35))
         least = least_quantum(grid, integrals)
         for number in range(more):
-            if shows_enough(found, settings.share - _SHORTFALL, settings.count) or STEP * found.quantum < least:
+            if settings.count is None:
+                share = _shown_share(found, settings)
+                is_enough, is_far = share >= settings.share - _SHORTFALL, share < _FAR_BELOW * settings.share
+            else:
+                is_enough, is_far = shows_enough(found, 0.0, settings.count), False
+            if is_enough or STEP * found.quantum < least:
                 break
-            smaller = float(f"{STEP * found.quantum:.3g}")
-            found = clebsch_map(grid, integrals, smaller, options, portion(progress, 0.45 + 0.15 * number, 0.15))
+            smaller = float(f"{max((STEP**2 if is_far else STEP) * found.quantum, least):.3g}")
+            part = 0.35 / more
+            found = clebsch_map(grid, integrals, smaller, options, portion(progress, 0.45 + part * number, part))
         if show is not None:
             show(found)
         is_rough = settings.show == "filaments" and isinstance(grid, Grid)
@@ -220,6 +226,13 @@ class FlowResult:
         if self.shown is None:
             return other
         return replace(other, shown=showing(other.seen, self.sphere, settings), linked=None)
+
+
+def _shown_share(found: ClebschMap, settings: FlowSettings) -> float:
+    """The share of the vorticity that a map's filaments carry, in space without those that are left out."""
+    if isinstance(found.grid, Grid) and settings.show != "tubes":
+        return showing(found, None, settings).share or 0.0
+    return found.vorticity_share or 0.0
 
 
 @dataclass(frozen=True)

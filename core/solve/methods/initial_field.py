@@ -33,9 +33,9 @@ COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
 # steps of the best one there.
 SEARCHED_STEPS, PROLONGED, LAST_STEPS = 20, 3, 20
 # Prolonged lines of defects stay between the coarse nodes, where descent does not move them; diffusion does. Its
-# time, in units of 1 / density, and its steps, each of which gives fields to choose from; steps and tolerance of the
-# descent of the best ones.
-FREEING_TIME, FREEING_STEPS, FREED_STEPS, FREED_TOLERANCE = 0.15, 6, 150, 1e-6
+# time, in units of 1 / density, and its steps, each of which gives fields to choose from, of which so many are kept (of
+# knots on 24^3 to 48^3 nodes, the best of all is among them); steps and tolerance of the descent of the best one.
+FREEING_TIME, FREEING_STEPS, FREED, FREED_STEPS, FREED_TOLERANCE = 0.15, 6, 12, 150, 1e-6
 
 
 def coarse_field(
@@ -140,12 +140,14 @@ def _search_on_stage(
     try:
         if not timed_out:
             monitor.at("polish", 0.9)
-            kept, steps, tolerance = 1, LAST_STEPS, TOLERANCE
-            if is_freed and stage is not finest and density > 0:
-                columns = _diffused(finest, columns, density, monitor)
-                kept, steps, tolerance = PROLONGED, FREED_STEPS, FREED_TOLERANCE
+            is_freed = is_freed and stage is not finest and density > 0
+            if is_freed:
+                columns = rounding.lowest(finest, _diffused(finest, columns, density, monitor), FREED)
             columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
-            columns = _polish_columns(finest, columns[:, :kept], density, steps, monitor, tolerance)
+            kept, tolerance = (PROLONGED, FREED_TOLERANCE) if is_freed else (1, TOLERANCE)
+            columns = _polish_columns(finest, columns[:, :kept], density, LAST_STEPS, monitor, tolerance)
+            if is_freed:
+                columns = _polish_columns(finest, columns[:, :1], density, FREED_STEPS, monitor, tolerance)
             monitor.check()
     except OutOfTime:
         timed_out = True

@@ -56,8 +56,8 @@ def vti(path, arrays, kind="ascii", where="PointData", shape=SHAPE, spacing=SPAC
     return path
 
 
-def netcdf(path, variables, coordinates, steps=0):
-    """Write variables in the order (time,) z, y, x with NetCDF 3."""
+def netcdf(path, variables, coordinates, steps=0, axes=None):
+    """Write variables in the order (time,) z, y, x, or of the axes of each, with NetCDF 3."""
     with netcdf_file(path, "w") as file:
         for name, values in coordinates.items():
             file.createDimension(name, len(values))
@@ -65,7 +65,11 @@ def netcdf(path, variables, coordinates, steps=0):
         if steps:
             file.createDimension("time", steps)
         for name, values in variables.items():
-            file.createVariable(name, "f8", ("time",) * bool(steps) + ("z", "y", "x"))[:] = values
+            along = (axes or {}).get(name, ("z", "y", "x"))
+            for axis, count in zip(along, values.shape[bool(steps) :], strict=True):
+                if axis not in file.dimensions:
+                    file.createDimension(axis, count)
+            file.createVariable(name, "f8", ("time",) * bool(steps) + tuple(along))[:] = values
     return path
 
 

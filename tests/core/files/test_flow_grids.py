@@ -7,8 +7,8 @@ import pytest
 from scipy.io import netcdf_file
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.files.flow_grids import GridFlow
 from synch_fields.core.files.flows import flow_file
+from synch_fields.core.files.regular_flows import GridFlow
 
 from .flow_writers import AXES, ORIGIN, SHAPE, SPACING, UVW, VELOCITY, hdf5, netcdf, vti, vtk_mesh
 
@@ -54,6 +54,29 @@ def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
     assert curl.is_vorticity and not flow_file(two).read().is_vorticity
 
 
+@pytest.mark.parametrize(
+    ("name", "axes"),
+    [
+        ("{} Velocity", "XYZ"),
+        ("{}-velocity", "xyz"),
+        ("U{}", "XYZ"),
+        ("B/{}", "xyz"),
+        ("{}wnd", "uvw"),
+        ("vx{}", "123"),
+        ("vel[{}]", "012"),
+        ("velocity:{}", "012"),
+    ],
+)
+def test_components_differ_in_one_letter_or_digit(tmp_path, name, axes):
+    parts = {name.format(axis): VELOCITY[..., k] for k, axis in enumerate(axes)}
+    check(flow_file(vti(tmp_path / "parts.vti", parts)).read())
+
+
+def test_numbers_that_are_no_components_are_refused(tmp_path):
+    names = ("u", "v", "p", "t0", "t1", "flux")
+    assert "has no vectors" in refusal(vti(tmp_path / "flow.vti", dict.fromkeys(names, VELOCITY[..., 0])))
+
+
 def test_masks_and_missing_numbers_are_solid(tmp_path):
     holes = VELOCITY.copy()
     holes[1, 2, 3] = np.nan
@@ -93,10 +116,59 @@ def test_damaged_images_are_refused(tmp_path, change, message):
 
 def test_netcdf_counts_z_y_x_and_has_its_coordinates(tmp_path):
     check(flow_file(netcdf(tmp_path / "flow.nc", UVW, AXES)).read())
-    steps = {name: np.stack([values, 0 * values]) for name, values in UVW.items()}
-    flow = flow_file(netcdf(tmp_path / "steps.nc", steps, AXES, 2)).read()
+    steps = {
+        name: np.stack([values, 0 * values, 0 * values]) for name, values in UVW.items()
+    }  # three are no components
+    flow = flow_file(netcdf(tmp_path / "steps.nc", steps, AXES, 3)).read()
     check(flow)
-    assert flow.warnings[0].startswith("of 2 times the first one is shown")
+    assert flow.warnings[0].startswith("of 3 times the first one is shown")
+
+
+def test_axes_are_those_that_dimensions_are_named_after(tmp_path):
+    cube = VELOCITY[:5, :5, :5]
+    parts = {name: cube[..., k].transpose(1, 0, 2) for k, name in enumerate("uvw")}
+    axes = dict.fromkeys("uvw", ("lat", "lon", "depth"))
+    flow = flow_file(netcdf(tmp_path / "flow.nc", parts, {}, axes=axes)).read()
+    check(flow, cube, cube.shape[:3], (1, 1, 1), (0, 0, 0))
+    assert "longitude, latitude and level" in flow.warnings[0]
+    firsts = {"velocity": VELOCITY.transpose(3, 2, 1, 0)}  # components before x, y and z
+    check(flow_file(netcdf(tmp_path / "3.nc", firsts, AXES, axes={"velocity": ("part", "z", "y", "x")})).read())
+
+
+def test_staggered_components_are_moved_to_the_cells(tmp_path):
+    """A linear flow, each component half a cell before the cells along its own axis, with coordinates or without."""
+    middles = {axis: np.arange(n) + 0.5 for axis, n in zip("xyz", SHAPE, strict=True)}
+    sides = {f"{axis}u": np.arange(n + 1.0) for axis, n in zip("xyz", SHAPE, strict=True)}
+    axes = {"u": ("z", "y", "xu"), "v": ("z", "yu", "x"), "w": ("zu", "y", "x")}
+    places = middles | sides
+    parts = {
+        name: 2 * places[x] - places[y][:, None] + 3 * places[z][:, None, None] for name, (z, y, x) in axes.items()
+    }
+    expected = 2 * middles["x"][:, None, None] - middles["y"][:, None] + 3 * middles["z"]
+    for coordinates, origin in ((places, 0.5), ({}, 0.0)):
+        flow = flow_file(netcdf(tmp_path / "flow.nc", parts, coordinates, axes=axes)).read()
+        check(flow, np.repeat(expected[..., None], 3, axis=3), spacing=(1, 1, 1), origin=(origin,) * 3)
+
+
+def test_two_components_are_a_level_flow(tmp_path):
+    parts = {name: UVW[name] for name in "uv"}
+    flow = flow_file(netcdf(tmp_path / "flow.nc", parts, AXES)).read()
+    check(flow, VELOCITY * [1, 1, 0])
+    assert "two components" in flow.warnings[0]
+
+
+def test_flows_in_a_plane_are_refused_with_what_helps(tmp_path):
+    flat = {name: values[:1] for name, values in UVW.items()}
+    axes = {"u": ("time", "lat", "lon"), "v": ("time", "lat", "lon")}
+    plane = {name: values[0] for name, values in UVW.items()}
+    paths = [
+        netcdf(tmp_path / "flat.nc", flat, AXES | {"z": [0.0]}),
+        netcdf(tmp_path / "times.nc", {name: UVW[name] for name in "uv"}, {}, axes=axes),
+        netcdf(tmp_path / "plane.nc", plane, {}, axes=dict.fromkeys("uvw", ("y", "x"))),
+        vti(tmp_path / "cells.vti", {"velocity": VELOCITY[:, :, :1]}, where="CellData", shape=(*SHAPE[:2], 1)),
+    ]
+    for path in paths:
+        assert "its flow is in a plane: save it as .npz with velocity (nx, ny, 2)" in refusal(path)
 
 
 def test_a_mask_without_times_is_that_of_all_times(tmp_path):
@@ -153,6 +225,13 @@ def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
     flow = flow_file(tmp_path / "own.h5").read()
     check(flow)
     assert flow.is_vorticity
+    with h5py.File(tmp_path / "openpmd.h5", "w") as file:  # its groups name the axes, and have spacing and origin
+        for axis, part in zip("xyz", np.moveaxis(VELOCITY.transpose(1, 0, 2, 3), 3, 0), strict=True):
+            file[f"data/1/meshes/B/{axis}"] = part
+        file["data/1/meshes/B"].attrs["axisLabels"] = [b"y", b"x", b"z"]
+        for name, (x, y, z) in (("gridSpacing", SPACING), ("gridGlobalOffset", ORIGIN)):
+            file["data/1/meshes/B"].attrs[name] = (y, x, z)
+    check(flow_file(tmp_path / "openpmd.h5").read())
     (tmp_path / "bad.h5").write_bytes((tmp_path / "own.h5").read_bytes()[:900])
     assert "\n" not in refusal(tmp_path / "bad.h5")
 
@@ -206,9 +285,11 @@ def test_masks_of_meshes_are_solid_where_these_are_sampled(tmp_path, library, na
     assert is_solid[distance < 0.55].all() and not is_solid[distance > 0.6 + 0.25 * 3**0.5].any()
 
 
-def test_what_a_missing_library_would_read_says_so(tmp_path, monkeypatch):
+def test_own_formats_need_no_library_and_others_name_the_missing_one(tmp_path, monkeypatch):
     for name in ("pyvista", "meshio", "h5py"):
         monkeypatch.setitem(__import__("sys").modules, name, None)
+    check(flow_file(vti(tmp_path / "flow.vti", {"velocity": VELOCITY}, "zlib")).read())
+    check(flow_file(netcdf(tmp_path / "flow.nc", UVW, AXES)).read())
     for name in ("flow.vtu", "flow.h5"):
         (tmp_path / name).write_bytes(b"\x89HDF")
         assert "pip install synch-fields[flows]" in refusal(tmp_path / name)

@@ -85,6 +85,16 @@ def test_thin_cores_few_filaments_and_many_are_warned_of(ring_file):
     assert "the map has no filaments: ask for more filaments, or a smaller circulation of each" in alone.warnings
 
 
+def test_a_circulation_that_carries_too_little_after_all_becomes_smaller(ring_file, monkeypatch):
+    monkeypatch.setattr(flows, "find_quantum", lambda *_: 4.0)  # twice the ring's
+    settings = FlowSettings(resolution=NODES, seed=1, share=0.6)
+    result = FlowRequest(ring_file(), settings).solve()
+    assert result.shown.share > 0.5 and result.found.quantum == 1
+    # Filaments that are left out do not count: none is longer than two boxes.
+    monkeypatch.setattr(flows, "_STUB", 1000.0)
+    assert FlowRequest(ring_file(), settings).solve().found.quantum < result.found.quantum
+
+
 def test_a_sequence_follows_the_ring_and_keeps_its_quantum(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (1, 2, 3))
     stages = []
@@ -157,15 +167,16 @@ def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file, monk
     assert list(fractions) == sorted(fractions)
 
 
-def test_stubs_are_left_out_and_counted():
-    grid = Grid((12, 12, 12))
+@pytest.mark.parametrize("spacing", [1.0, (1.0, 1.0, 40.0)])
+def test_stubs_are_left_out_and_counted(spacing):
+    grid = Grid((12, 12, 12), spacing)
     phases = np.ones(grid.node_count, complex)
     phases[grid.numbers[5, 5, 5]] = -1
     phases[grid.numbers[6, 5, 5]] = np.exp(2.1j)
     found = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0, Options(method="spectral")).with_phases(phases)
     turned = replace(found, integrals=np.random.default_rng(0).uniform(-0.3, 0.3, len(grid.edges)))
     every, shown = filaments(turned), showing(turned, None, FlowSettings(smoothing=0))
-    small = [line for line in every if np.ptp(line.whole, axis=0).max() < 2]
+    small = [line for line in every if (np.ptp(line.whole, axis=0) / spacing).max() < 2]
     assert len(small) > 0 and shown.stubs == len(small) and len(shown.lines) == len(every) - len(small)
     assert any("left out, no longer than two cells" in line for line in shown.missing)
 
