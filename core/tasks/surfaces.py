@@ -296,12 +296,14 @@ class SurfaceRequest:
         return tuple(faults)
 
     def _coarse_faults(self, coarse_share: float) -> tuple[str, ...]:
-        if coarse_share <= COARSE_SHARE:
+        # The spacing of a quad mesh differs a little from the one that its surface was made for.
+        if coarse_share <= COARSE_SHARE or (self.command == "quad_mesh" and self.source.is_fitted):
             return ()
         finest = np.min(self.spacings)
+        remedy = "set the surface to automatic" if self.settings.surface == "faces" else "subdivide it, or solve again"
         return (
             f"the spacing {finest:g} is finer than the mesh can carry on {coarse_share:.0%} of its edges: "
-            f"it needs edges shorter than {finest / 2:.3g}, set the surface to automatic",
+            f"it needs edges shorter than {finest / 2:.3g}, {remedy}",
         )
 
     @contextmanager

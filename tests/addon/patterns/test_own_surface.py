@@ -149,6 +149,11 @@ def test_a_fine_grid_beside_a_finer_one_is_closed_where_vertices_lie_on_its_edge
     assert report["euler_characteristic"] == 1
 
 
+def test_quads_that_become_smaller_than_their_surface_was_made_for_are_no_fault_of_it():
+    obj = add_object([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0), (3, 0, 0), (2, 1, 0)], [(0, 1, 2), (3, 4, 5)])
+    assert not any("finer than the mesh" in line for line in api.quad_mesh(obj, faces=1500)["warnings"])
+
+
 def test_a_spacing_that_would_take_too_many_faces_is_refused_with_one_that_works():
     obj = cube()
     with pytest.raises(SettingError, match=r"too fine for this mesh: use one from [0-9.]+ on"):
