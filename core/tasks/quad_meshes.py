@@ -47,8 +47,8 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
 
-    Where the mesh does not follow some boundaries and sharp edges, it is solved again with directions that all curvature
-    turns, as small steps need them, and the result that loses less is used.
+    A mesh that does not follow its boundaries and sharp edges is solved again with directions that all curvature turns,
+    as small steps need them; the result that loses less is used.
     """
     found, lost = _solve(request, progress)
     if lost.share > LOST and request.detail > 0:
