@@ -36,6 +36,8 @@ CORRECTIONS = 3
 FEW = 300
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
+# Share of the length of boundaries and sharp edges beyond whose loss a mesh is solved again, and that part of the work.
+LOST, _AGAIN = 0.02, 0.1
 # Share of the work for directions.
 _DIRECTIONS = 0.4
 # Shares of the work on a pattern after which its loops are closed, and its quads smoothed.
@@ -43,15 +45,46 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 
 
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
-    """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`."""
+    """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
+
+    A mesh that does not follow its boundaries and sharp edges is solved again with directions that all curvature turns,
+    as small steps need them; the result that loses less is used.
+    """
+    found, lost = _solve(request, progress)
+    if lost.share > LOST and request.detail > 0:
+        try:
+            again = _solve(replace(request, detail=0.0), portion(progress, 1 - _AGAIN, _AGAIN))
+        except SettingError:
+            again = found, lost
+        found, lost = min((found, lost), again, key=lambda each: each[1].share)
+    assert found.quads is not None
+    faults = list(_faults(request, found.quads, lost))
+    return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
+
+
+@dataclass(frozen=True)
+class _LostLines:
+    """(k,) lengths of the boundaries and sharp edges that a quad mesh does not follow, and (l,) of all of them."""
+
+    lengths: np.ndarray
+    all_lengths: np.ndarray
+
+    @property
+    def share(self) -> float:
+        """Share of the length that is lost."""
+        return float(self.lengths.sum() / self.all_lengths.sum()) if len(self.lengths) else 0.0
+
+
+def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["SurfaceResult", _LostLines]:
+    """The result of one solve, and the lines that it loses."""
     wanted = request
     if _is_default_search(request):  # directions are searched for on a coarse stage: their energies are as low
         wanted = replace(request, options=replace(request.options, rounding=COARSE))
     with keep_factors():
         directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
         found = _mesh_field(request, directions, progress)
-    faults = [] if found.quads is None else list(_faults(request, found.quads))
-    return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
+    assert found.quads is not None
+    return found, _LostLines(*lost_lines(found.quads, request.given.mesh, request.rows))
 
 
 def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":
@@ -252,7 +285,7 @@ def _about_faces(request: "SurfaceRequest", wanted: int, count: int) -> Iterator
         yield f"the quad mesh has {count} faces, not {wanted}: its constraints allow no spacing that comes nearer"
 
 
-def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
+def _faults(request: "SurfaceRequest", quads: QuadMesh, lost: _LostLines) -> Iterator[str]:
     """Lines about a quad mesh that differs from its surface or has faulty faces."""
     mesh = request.given.mesh
     of_triangles = mesh.pieces[mesh.triangles[:, 0]]
@@ -262,11 +295,10 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
             f"{len(all_pieces) - len(kept)} of {len(all_pieces)} pieces of the surface are too small for the quads and "
             f"left out: reduce the spacing"
         )
-    lost, lengths = lost_lines(quads, mesh, request.rows)
-    if len(lost):
+    if len(lost.lengths):
         yield (
-            f"{len(lost)} of {len(lengths)} lines of the boundary and of sharp edges are lost, {lost.sum():.3g} of "
-            f"{lengths.sum():.3g} in length: reduce the spacing"
+            f"{len(lost.lengths)} of {len(lost.all_lengths)} lines of the boundary and of sharp edges are lost, "
+            f"{lost.lengths.sum():.3g} of {lost.all_lengths.sum():.3g} in length: reduce the spacing"
         )
     for axis, normal in zip(request.settings.mirror, request.mirror_planes, strict=True):
         alone = without_image(quads, normal)

@@ -82,6 +82,7 @@ class SurfaceRequest:
     rows : of the constraint list, and of features
     mirrors : reflections that leave the field unchanged
     pins : triangles and the indices of the disclinations wanted there
+    detail : part of a quad's side over which curvature has to vary to turn the directions of a quad mesh
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
     """
@@ -95,6 +96,7 @@ class SurfaceRequest:
     rows: tuple[Row, ...]
     mirrors: tuple[Reflection, ...]
     pins: tuple[tuple[int, float], ...] = ()
+    detail: float = DETAIL
     start: tuple[np.ndarray, np.ndarray] | None = None
 
     @classmethod
@@ -205,7 +207,7 @@ class SurfaceRequest:
             return 0.0
         faces = self.settings.faces
         side = np.sqrt(self.given.mesh.areas.sum() / faces) if faces else np.mean(self.spacings) / 2
-        return float(DETAIL * side)
+        return float(self.detail * side)
 
     def along(
         self,
@@ -296,12 +298,14 @@ class SurfaceRequest:
         return tuple(faults)
 
     def _coarse_faults(self, coarse_share: float) -> tuple[str, ...]:
-        if coarse_share <= COARSE_SHARE:
+        # The spacing of a quad mesh differs a little from the one that its surface was made for.
+        if coarse_share <= COARSE_SHARE or (self.command == "quad_mesh" and self.source.is_fitted):
             return ()
         finest = np.min(self.spacings)
+        remedy = "set the surface to automatic" if self.settings.surface == "faces" else "subdivide it, or solve again"
         return (
             f"the spacing {finest:g} is finer than the mesh can carry on {coarse_share:.0%} of its edges: "
-            f"it needs edges shorter than {finest / 2:.3g}, set the surface to automatic",
+            f"it needs edges shorter than {finest / 2:.3g}, {remedy}",
         )
 
     @contextmanager

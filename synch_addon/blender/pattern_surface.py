@@ -53,9 +53,17 @@ def source_faces(obj):
 
 def shown_by(modifier):
     """The object whose mesh a modifier shows, None where it was removed or is none of ours."""
-    identifier = modifier.node_group.interface.items_tree["Surface"].identifier
-    if hasattr(modifier, "properties"):  # from Blender 5.2 on
-        found = getattr(modifier.properties.inputs, identifier).value
-    else:
-        found = modifier.get(identifier)
+    found = _input(modifier, "Surface")
     return found if found is not None and SURFACE_MARK in found else None
+
+
+def is_of_modifiers(obj):
+    """Whether the surface that an object's modifier shows was made of other vertices than the object's own."""
+    return _input(surface_modifier(obj), "Vertices") != len(obj.data.vertices)
+
+
+def _input(modifier, name):
+    identifier = modifier.node_group.interface.items_tree[name].identifier
+    if hasattr(modifier, "properties"):  # from Blender 5.2 on
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier.get(identifier)

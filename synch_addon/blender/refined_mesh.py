@@ -39,16 +39,22 @@ def refined_object(source, bound, owner, mark):
     made[SURFACE_MARK] = mark
     _carry_attributes(source, made, bound)
     _carry_normals(source, data, bound)
-    members = groups.read_members(source)
-    for group in source.vertex_groups:
-        weights = groups.read_weights(source, group.name, members=members)[bound.parents]
-        groups.write_weights(made, group.name, np.einsum("vk,vk->v", bound.weights, weights))
+    carry_groups(source, made, bound.parents, bound.weights)
     for attribute, values in zip(schema.PARENTS, bound.parents.T, strict=True):
         attributes.write(made, attribute, values)
     attributes.write(made, schema.WEIGHTS, bound.weights)
     attributes.write(made, schema.SOURCE_FACE, bound.face_source)
     data.update()
     return made
+
+
+def carry_groups(source, made, parents, weights):
+    """Give an object the vertex groups of another one, of which (v, 3) vertices and their weights make each vertex."""
+    made.vertex_groups.clear()
+    members = groups.read_members(source)
+    for group in source.vertex_groups:
+        at_parents = groups.read_weights(source, group.name, members=members)[parents]
+        groups.write_weights(made, group.name, np.einsum("vk,vk->v", weights, at_parents))
 
 
 def _carry_attributes(source, made, bound):

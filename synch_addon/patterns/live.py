@@ -62,6 +62,8 @@ class LiveJob:
         if _cuts(settings) != _cuts(before) or settings.symmetry != before.symmetry:
             raise SynchError("live settings cut no edges and change no symmetry: solve again")
         with self._report.clock("read"):
+            if is_painted:
+                own_surface.carry_painted_groups(obj)
             self._asked = gather(shown.request.command, surface_of(obj), settings, given=given)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self._asked)

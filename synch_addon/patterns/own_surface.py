@@ -11,7 +11,8 @@ from ..blender import attributes, meshes, schema
 from ..blender.bvh import surface_tree
 from ..blender.modifiers import changes_faces, is_ours
 from ..blender.objects import SURFACE_MARK
-from ..blender.pattern_surface import surface_modifier, surface_of
+from ..blender.pattern_surface import is_of_modifiers, surface_modifier, surface_of
+from ..blender.refined_mesh import carry_groups
 from ..blender.transaction import assign, at_the_end, leave, set_aside, undone_by
 from ..nodes.bound_surface import bound_surface_group
 from ..nodes.canvas import add_modifier, set_inputs
@@ -58,6 +59,17 @@ def release(obj):
     set_aside(modifier)
     set_inputs(modifier, {"Surface": None})
     at_the_end(lambda: obj.modifiers.remove(modifier))
+
+
+def carry_painted_groups(obj):
+    """Give the surface of an object, if it has one, the weights that vertex groups have by now."""
+    surface = surface_of(obj)
+    if surface == obj:
+        return
+    parents = np.column_stack([attributes.read(surface, attribute) for attribute in schema.PARENTS])
+    with source_of(obj, is_of_modifiers(obj)) as source:
+        if parents.max(initial=-1) < len(source.data.vertices):  # others are refused when the result is written
+            carry_groups(source, surface, parents, attributes.read(surface, schema.WEIGHTS))
 
 
 def is_unchanged(obj, given):

@@ -11,7 +11,6 @@ CUBE = "bpy.ops.mesh.primitive_cube_add(size=3)"
 MONKEY = (
     "bpy.ops.mesh.primitive_monkey_add(size=3)\n"
     "bpy.ops.object.shade_smooth()\n"
-    "import bmesh\n"
     "half = bmesh.new()\n"
     "half.from_mesh(active().data)\n"
     "bmesh.ops.delete(half, geom=[v for v in half.verts if v.co.x < -1e-4], context='VERTS')\n"
@@ -23,17 +22,48 @@ MONKEY = (
 )
 TUBE = (
     "bpy.ops.mesh.primitive_cylinder_add(vertices=8, radius=0.8, depth=4, end_fill_type='NOTHING')\n"
-    "twist = active().modifiers.new('Twist', 'SIMPLE_DEFORM')\n"
-    "twist.deform_method, twist.deform_axis = 'TWIST', 'Z'\n"
-    "for frame, twist.angle in ((1, 0.0), (20, 1.2)):\n"
-    "    twist.keyframe_insert('angle', frame=frame)\n"
+    "tube, rings = active(), bmesh.new()\n"
+    "rings.from_mesh(tube.data)\n"
+    "upright = [e for e in rings.edges if abs(e.verts[0].co.z - e.verts[1].co.z) > 1]\n"
+    "bmesh.ops.subdivide_edges(rings, edges=upright, cuts=5, use_grid_fill=True)\n"
+    "rings.to_mesh(tube.data)\n"
+    "rig = bpy.data.objects.new('Rig', bpy.data.armatures.new('Rig'))\n"
+    "bpy.context.collection.objects.link(rig)\n"
+    "bpy.context.view_layer.objects.active = rig\n"
+    "bpy.ops.object.mode_set(mode='EDIT')\n"
+    "for name, low, side in (('lower', -2, -1), ('upper', 0, 1)):\n"
+    "    bone = rig.data.edit_bones.new(name)\n"
+    "    bone.head, bone.tail = (0, 0, low), (0, 0, low + 2)\n"
+    "    group = tube.vertex_groups.new(name=name)\n"
+    "    group.add([v.index for v in tube.data.vertices if side * v.co.z > -0.1], 1, 'REPLACE')\n"
+    "rig.data.edit_bones['upper'].parent = rig.data.edit_bones['lower']\n"
+    "bpy.ops.object.mode_set(mode='OBJECT')\n"
+    "bone = rig.pose.bones['upper']\n"
+    "bone.rotation_mode = 'XYZ'\n"
+    "for frame, angle in ((1, 0.0), (20, 1.2)):\n"
+    "    bone.rotation_euler = (angle, 0, 0)\n"
+    "    bone.keyframe_insert('rotation_euler', frame=frame)\n"
+    "rig.hide_set(True)\n"
+    "tube.modifiers.new('Armature', 'ARMATURE').object = rig\n"
+    "bpy.context.view_layer.objects.active = tube\n"
+    "tube.select_set(True)\n"
     "bpy.context.scene.frame_set(1)"
 )
+HEXAGONS = (
+    "bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=1.6)\n"
+    "ball = bmesh.new()\n"
+    "ball.from_mesh(active().data)\n"
+    "bmesh.ops.bevel(ball, geom=ball.verts, offset=33, offset_type='PERCENT', affect='VERTICES', segments=1)\n"
+    "ball.to_mesh(active().data)"
+)
+SHAPES = {"cube": CUBE, "monkey": MONKEY, "tube": TUBE, "hexagons": HEXAGONS}
+MESH = "str([[v.co[:] for v in active().data.vertices], [f.vertices[:] for f in active().data.polygons]])"
 
 
-@pytest.mark.parametrize(("name", "build"), [("cube", CUBE), ("monkey", MONKEY), ("tube", TUBE)])
+@pytest.mark.parametrize(("name", "build"), SHAPES.items(), ids=SHAPES)
 def test_every_view_draws_the_stripes(panel, keep, name, build):
-    panel.run(build)
+    panel.run("import bmesh\n" + build)
+    mesh = panel.value(MESH)
     panel.click("Stripes")
     panel.wait_for("Variation")
     panel.wait_to_see(is_inked, "WINDOW")
@@ -44,4 +74,5 @@ def test_every_view_draws_the_stripes(panel, keep, name, build):
             panel.run(f"area().spaces[0].shading.type = {shading!r}")
             picture = panel.wait_to_see(stripes_are_seen, "WINDOW", still=5)
             keep(f"own_surface_{name}_{shading.lower()}_{frame}", picture)
+    assert panel.value(MESH) == mesh
     assert panel.value("[a.name for a in active().data.attributes if a.name.startswith('synch_')]") == []

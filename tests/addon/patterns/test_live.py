@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.process.ipc import pack_parts
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns import guide_strokes, memory
@@ -18,6 +19,7 @@ from synch_fields.synch_addon.patterns.live import from_shown, live
 from synch_fields.synch_addon.settings.fields import stored_settings
 
 from ..scenes import attribute, empties, snapshot, sphere, tube
+from .coarse_shapes import cube, half_suzanne
 
 
 @pytest.fixture(autouse=True)
@@ -359,3 +361,22 @@ def test_directions_that_are_given_have_no_solution_of_those_before():
     assert followed() == 1 and live.error == ""
     field = memory.state(obj).field
     assert field.solution is None and field.energy is None
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("build", [cube, half_suzanne])
+def test_a_painted_map_is_followed_on_a_surface_of_its_own(build):
+    obj = build()
+    obj.vertex_groups.new(name="turn").add([0], 0.0, "REPLACE")
+    obj.synch.angle_attribute = "turn"
+    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.5
+    solve(obj)
+    surface = surface_of(obj)
+    before = attribute(surface, "synch_direction")
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    assert followed() == 0
+    obj.vertex_groups["turn"].add(range(len(obj.data.vertices)), 0.1, "REPLACE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert followed() == 1 and live.error == "" and surface_of(obj) == surface != obj
+    cosines = np.einsum("ij,ij->i", attribute(surface, "synch_direction"), before)
+    np.testing.assert_allclose(np.median(np.abs(cosines)), np.cos(0.1), atol=2e-3)

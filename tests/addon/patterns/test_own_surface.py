@@ -149,6 +149,21 @@ def test_a_fine_grid_beside_a_finer_one_is_closed_where_vertices_lie_on_its_edge
     assert report["euler_characteristic"] == 1
 
 
+def test_quads_that_become_smaller_than_their_surface_was_made_for_are_no_fault_of_it():
+    obj = add_object([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 0, 0), (3, 0, 0), (2, 1, 0)], [(0, 1, 2), (3, 4, 5)])
+    assert not any("finer than the mesh" in line for line in api.quad_mesh(obj, faces=1500)["warnings"])
+
+
+def test_edges_of_a_low_step_are_followed():
+    """Curvature that varies over less than half a quad does not turn the crosses at first, though a step needs it."""
+    profile = [(0, 0), (1, 0), (1, 0.3), (0.5, 0.3), (0.5, 0.32), (0, 0.32)]
+    sides = [(k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k) for k in range(6)]
+    ends = [tuple(range(5, -1, -1)), tuple(range(6, 12))]
+    obj = add_object([(*place, height) for height in (0, 0.8) for place in profile], ends + sides)
+    report = api.quad_mesh(obj, faces=400)
+    assert report["quad_mesh"]["closed"] and not any("lost" in line for line in report["warnings"])
+
+
 def test_a_spacing_that_would_take_too_many_faces_is_refused_with_one_that_works():
     obj = cube()
     with pytest.raises(SettingError, match=r"too fine for this mesh: use one from [0-9.]+ on"):

@@ -8,7 +8,7 @@ is halved and each side becomes a polygon. An edge of the boundary is halved if 
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from heapq import heappop, heappush
 from itertools import count
@@ -47,6 +47,7 @@ class Faces:
     numbers : numbers for further faces
     kept : edges that stay
     vertices, normals : (n, 3)
+    halved : ends of the edge that each new vertex is in the middle of
     """
 
     corners: dict[int, list[int]]
@@ -55,6 +56,7 @@ class Faces:
     kept: set[Edge]
     vertices: np.ndarray
     normals: np.ndarray
+    halved: list[Edge] = field(default_factory=list)
 
     @classmethod
     def of(cls, quads: QuadMesh, normals: np.ndarray, keep: ArrayLike) -> "Faces":
@@ -91,6 +93,7 @@ class Faces:
     def halve(self, edge: Edge) -> int:
         """Halve an edge, so that both halves stay; the number of the new vertex."""
         new = len(self.vertices)
+        self.halved.append(edge)
         ends = list(edge)
         self.vertices = np.vstack([self.vertices, self.vertices[ends].mean(axis=0)])
         self.normals = np.vstack([self.normals, self.normals[ends].sum(axis=0)])
@@ -128,15 +131,22 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> Quad
     for number in [n for n, corners in faces.corners.items() if len(corners) > 4 and len(corners) % 2 == 0]:
         _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
-    new = slice(len(quads.vertices), None)
-    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[new], faces.normals[new]))
+    return faces.put_on(_with_vertices(quads, mesh, faces))
 
 
-def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray, normals: np.ndarray) -> QuadMesh:
-    """The quad mesh with further vertices, projected onto the surface where it looks along (k, 3) normals."""
-    if len(places) == 0:
+def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, faces: Faces) -> QuadMesh:
+    """The quad mesh with the new vertices of its faces, projected onto the surface where it looks along their normals.
+
+    Where an end of their edge would be there already, as at corners, they go to the nearest place.
+    """
+    if len(faces.halved) == 0:
         return quads
-    places, triangles = mesh.finder.nearest_facing(places, normals)
+    new = slice(len(quads.vertices), None)
+    middles, ends = faces.vertices[new], faces.vertices[np.array(faces.halved)]
+    places, triangles = mesh.finder.nearest_facing(middles, faces.normals[new])
+    apart = np.linalg.norm(places[:, None] - ends, axis=2).min(axis=1)
+    meets = apart < SHORTEST * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    places[meets], triangles[meets] = mesh.finder.nearest(middles[meets])
     return replace(
         quads,
         vertices=np.concatenate([quads.vertices, places]),

@@ -106,3 +106,16 @@ def test_without_such_edges_the_faces_between_are_cut_as_one():
     before = mesh_of(points, [faces[0][1:], *faces[1:-1], np.delete(faces[-1], 2)])
     after = all_quads(before, PLANE)
     assert (after.sizes == 4).all() and len(after.vertices) == len(points) - 2
+
+
+def test_a_halved_edge_keeps_its_length_where_the_surface_on_its_side_ends_at_a_corner():
+    below, above = [[0, -9, 0], [0, 9, 0]], [[1, 9, 0.2], [1, -9, 0.2]]
+    surface = TriangleMesh(
+        np.array([[-9.0, -9, 0], [-9, 9, 0], *below, *above]),
+        np.array([[0, 2, 3], [0, 3, 1], [2, 3, 4], [2, 4, 5]]),
+    )
+    assert surface.face_normals[0, 2] > 0 > surface.face_normals[2, 2]
+    ends = [[0, 0, 0], [1, 0, 0.2]]
+    quads = all_quads(mesh_of([*ends, [0.5, 1, 0.1], [0.5, -1, 0.1]], [[0, 1, 2], [1, 0, 3]]), surface, [(0, 1)])
+    assert (quads.sizes == 4).all()
+    np.testing.assert_allclose(quads.vertices[4], np.mean(ends, axis=0), atol=1e-12)
