@@ -286,7 +286,7 @@ class SurfaceRequest:
         """
         clock, side = Clock(), self.mirror_side
         with clock("extract"):
-            quads = quad_mesh(pattern.edge_phases if side is None else side.phases(pattern.edge_phases))
+            quads = quad_mesh(pattern.edge_phases) if side is None else side.trace(pattern.edge_phases)
             check_quads(quads, self.given.mesh if side is None else side.mesh)
         return quads, clock.seconds
 
@@ -295,12 +295,8 @@ class SurfaceRequest:
         clock, side = Clock(), self.mirror_side
         clock.add(seconds)
         with clock("extract"):
-            rules = self.settings.smoothing, self.has_only_quads
-            if side is None:
-                quads = finish_quads(quads, self.given.mesh, self.rows, *rules)
-            else:
-                quads = side.reflect(finish_quads(quads, side.mesh, [side.row(row) for row in self.rows], *rules))
-                check_quads(quads, self.given.mesh)
+            rules = self.rows, self.settings.smoothing, self.has_only_quads
+            quads = finish_quads(quads, self.given.mesh, *rules) if side is None else side.finish(quads, *rules)
         return {"quads": quads, "seconds": clock.seconds}
 
     def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:

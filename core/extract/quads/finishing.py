@@ -4,6 +4,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...errors import SettingError
 from ...fields.constraints.rows import GRID, Row
@@ -25,7 +26,12 @@ _ON_EDGE = 1e-3
 
 
 def finish_quads(
-    quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], rounds: int, only_quads: bool = False
+    quads: QuadMesh,
+    mesh: TriangleMesh,
+    rows: Sequence[Row],
+    rounds: int,
+    only_quads: bool = False,
+    apart: ArrayLike = (),
 ) -> QuadMesh:
     """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
 
@@ -38,6 +44,7 @@ def finish_quads(
     rows : of the constraint list; rows of phases hold the vertices on their lines
     rounds : number of smoothing steps
     only_quads : whether all faces become quads
+    apart : vertices between which there are no new edges
 
     Raises SettingError for a pattern without faces, or whose faces would meet themselves, and for one that loses a
     handle.
@@ -47,7 +54,7 @@ def finish_quads(
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads))
+        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), apart)
         if features is not None and quads is not followed:
             quads, chains = follow_features(quads, features)
     if only_quads and (quads.sizes == 4).all():

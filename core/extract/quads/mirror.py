@@ -5,6 +5,7 @@ The planes lead along edges of the surface, which become the boundary of that si
 it. So the halves fit.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,7 +17,9 @@ from ...geometry import TriangleMesh
 from ...geometry.barycentric import barycentric
 from ...geometry.mirror import are_divided_by_edges, sides_of_planes
 from ...interpolate import EdgePhases
-from .trace.quad_mesh import QuadMesh
+from .finishing import check_quads, finish_quads
+from .repair.all_quads import with_vertices
+from .trace.quad_mesh import QuadMesh, quad_mesh
 
 # Vertices that are nearer than this to a mirror image, in mean edge lengths, have one.
 _SAME = 0.01
@@ -61,13 +64,13 @@ class MirrorSide:
         """(n, k) bool: vertices of the part on each plane."""
         return sides_of_planes(self.whole, self.units)[self.vertices] == 0
 
-    def phases(self, edge_phases: EdgePhases) -> EdgePhases:
+    def _phases(self, edge_phases: EdgePhases) -> EdgePhases:
         """The phases of the whole surface on the part."""
         edges = self.whole.edges_between(*self.vertices[self.mesh.edges].T)
         arguments, changes = edge_phases.arguments[self.vertices], edge_phases.changes[edges]
         return EdgePhases(self.mesh, arguments, changes, edge_phases.matchings[edges])
 
-    def row(self, row: Row) -> Row:
+    def _row(self, row: Row) -> Row:
         """What a row of the whole surface holds of the part."""
         numbers = np.full(self.whole.vertex_count, -1)
         numbers[self.vertices] = np.arange(len(self.vertices))
@@ -79,15 +82,38 @@ class MirrorSide:
         value = row.value if np.ndim(row.value) == 0 else np.asarray(row.value)[numbers[line.nodes] >= 0]
         return replace(row, line=own, value=value)
 
-    def reflect(self, quads: QuadMesh) -> QuadMesh:
-        """The quad mesh of the whole surface, of one of the part."""
+    def trace(self, edge_phases: EdgePhases) -> QuadMesh:
+        """The quad mesh of a pattern on the part.
+
+        An edge between two vertices on a plane would coincide with its reflection: it gets a vertex in its middle.
+        """
+        quads = quad_mesh(self._phases(edge_phases))
+        edges, counts = quads.edges
+        chords = edges[(counts == 2) & self._vertices_on_planes(quads)[edges].all(axis=1).any(axis=1)]
+        new = len(quads.vertices) + np.arange(len(chords))
+        normals = self.mesh.face_normals[quads.triangles[chords]].sum(axis=1)
+        quads = with_vertices(quads, self.mesh, quads.vertices[chords].mean(axis=1), normals)
+        halves = np.sort(quads.half_edges, axis=1) @ [len(quads.vertices), 1]
+        names = chords @ [len(quads.vertices), 1]  # ascending, as edges are
+        at = np.flatnonzero(np.isin(halves, names))
+        added = new[np.searchsorted(names, halves[at])]
+        sizes = quads.sizes + np.bincount(quads.corner_faces[at], minlength=len(quads.sizes))
+        return replace(quads, corner_vertices=np.insert(quads.corner_vertices, at + 1, added), sizes=sizes)
+
+    def finish(self, quads: QuadMesh, rows: Sequence[Row], rounds: int, only_quads: bool) -> QuadMesh:
+        """The quad mesh of the whole surface, of a traced one of the part; see :func:`finish_quads`."""
+        own = [self._row(row) for row in rows]
+        on_planes = self._vertices_on_planes(quads)
+        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, np.flatnonzero(on_planes.any(axis=1)))
         on_planes = self._vertices_on_planes(quads)
         for k, unit in enumerate(self.units):
             quads, source = _add_reflection(quads, unit, on_planes[:, k])
             on_planes = on_planes[source]
         _, triangles = self.whole.finder.nearest(quads.vertices)
         quads = replace(quads, triangles=triangles, weights=barycentric(self.whole, triangles, quads.vertices))
-        return quads.with_faces(quads.corner_vertices, quads.sizes)
+        quads = quads.with_faces(quads.corner_vertices, quads.sizes)
+        check_quads(quads, self.whole)
+        return quads
 
     def _vertices_on_planes(self, quads: QuadMesh) -> np.ndarray:
         """(n, k) bool: vertices of a quad mesh of the part that become vertices on each plane.
@@ -119,6 +145,7 @@ def _add_reflection(quads: QuadMesh, unit: np.ndarray, on_plane: np.ndarray) -> 
     before[following] = np.arange(len(following))
     tips = on_plane[corners] & on_plane[corners[before]] & on_plane[corners[following]]
     tips &= (np.bincount(corners)[corners] == 1) & (quads.sizes[quads.corner_faces] == 4)
+    tips &= ~on_plane[corners[following[following]]]
     opposite = image[corners[following[following]]]
     stays = np.ones(len(quads.sizes), bool)
     stays[quads.corner_faces[tips]] = False

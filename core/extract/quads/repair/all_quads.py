@@ -47,6 +47,7 @@ class Faces:
     numbers : numbers for further faces
     kept : edges that stay
     vertices, normals : (n, 3)
+    apart : vertices between which there are no new edges
     """
 
     corners: dict[int, list[int]]
@@ -55,11 +56,13 @@ class Faces:
     kept: set[Edge]
     vertices: np.ndarray
     normals: np.ndarray
+    apart: set[int]
 
     @classmethod
-    def of(cls, quads: QuadMesh, normals: np.ndarray, keep: ArrayLike) -> "Faces":
+    def of(cls, quads: QuadMesh, normals: np.ndarray, keep: ArrayLike, apart: ArrayLike = ()) -> "Faces":
         edges = np.asarray(keep, int).reshape(-1, 2).tolist()
-        result = cls({}, {}, count(), set(map(edge_of, edges)), quads.vertices, normals)
+        alone = set(np.asarray(apart, int).tolist())
+        result = cls({}, {}, count(), set(map(edge_of, edges)), quads.vertices, normals, alone)
         for corners in np.split(quads.corner_vertices, quads.starts[1:]):
             result.add(corners.tolist())
         return result
@@ -95,6 +98,8 @@ class Faces:
         self.vertices = np.vstack([self.vertices, self.vertices[ends].mean(axis=0)])
         self.normals = np.vstack([self.normals, self.normals[ends].sum(axis=0)])
         self.kept |= {(end, new) for end in ends}
+        if self.apart.issuperset(edge):
+            self.apart.add(new)
         return new
 
 
@@ -108,17 +113,18 @@ def _half_edges(corners: Sequence[int]) -> Iterator[Edge]:
     return zip(corners, [*corners[1:], corners[0]], strict=True)
 
 
-def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> QuadMesh:
+def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
     """The quad mesh with quads instead of other faces, as far as possible.
 
     Parameters
     ----------
     mesh : the surface
     keep : (k, 2) vertices of edges that stay, whole or halved
+    apart : vertices between which there are no new edges
     """
     if (quads.sizes == 4).all():
         return quads
-    faces = Faces.of(quads, mesh.face_normals[quads.triangles], keep)
+    faces = Faces.of(quads, mesh.face_normals[quads.triangles], keep, apart)
     shortest = SHORTEST * quads.edge_lengths.mean()
     odd = sorted(number for number, corners in faces.corners.items() if len(corners) % 2)
     while odd:
@@ -129,10 +135,10 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> Quad
         _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
     new = slice(len(quads.vertices), None)
-    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[new], faces.normals[new]))
+    return faces.put_on(with_vertices(quads, mesh, faces.vertices[new], faces.normals[new]))
 
 
-def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray, normals: np.ndarray) -> QuadMesh:
+def with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray, normals: np.ndarray) -> QuadMesh:
     """The quad mesh with further vertices, projected onto the surface where it looks along (k, 3) normals."""
     if len(places) == 0:
         return quads
@@ -230,7 +236,9 @@ def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _C
         return None
     inside = {way for number in numbers for way in _half_edges(faces.corners[number])}
     points, up = faces.vertices[polygon], faces.normals[polygon]
-    taken = [[(a, b) in faces.left and (a, b) not in inside for b in polygon] for a in polygon]
+    taken = [
+        [({a, b} <= faces.apart or (a, b) in faces.left) and (a, b) not in inside for b in polygon] for a in polygon
+    ]
 
     @cache
     def corner(before: int, at: int, after: int) -> float:
