@@ -12,7 +12,7 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
-from ..extract.quads.mirror import without_image
+from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.curl_removal import keep_factors
@@ -262,7 +262,8 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
             f"{len(all_pieces) - len(kept)} of {len(all_pieces)} pieces of the surface are too small for the quads and "
             f"left out: reduce the spacing"
         )
-    lost, lengths = lost_lines(quads, mesh, request.rows)
+    planes = () if request.mirror_side is None else plane_edges(mesh, request.mirror_planes)
+    lost, lengths = lost_lines(quads, mesh, request.rows, planes)
     if len(lost):
         yield (
             f"{len(lost)} of {len(lengths)} lines of the boundary and of sharp edges are lost, {lost.sum():.3g} of "
@@ -272,8 +273,8 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
         alone = without_image(quads, normal)
         if alone:
             yield (
-                f"{alone} of {len(quads.vertices)} vertices of the quad mesh have no mirror image across {axis}: ask "
-                "for another number of faces"
+                f"{alone} of {len(quads.vertices)} vertices of the quad mesh have no mirror image across {axis}, since "
+                "faces lie across its plane: set the surface to automatic"
             )
     others = int((quads.sizes != 4).sum())
     if others and request.settings.branching == 0:

@@ -72,21 +72,24 @@ def finish_quads(
     return flip_edges(quads, mesh.face_normals[quads.triangles], keep)
 
 
-def lost_lines(quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row]) -> tuple[np.ndarray, np.ndarray]:
+def lost_lines(
+    quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], followed: ArrayLike = ()
+) -> tuple[np.ndarray, np.ndarray]:
     """(k,) lengths of the boundaries and sharp edges that the quad mesh's edges do not follow, and (l,) of all of them.
 
-    Lines are counted from corner to corner; arguments as of :func:`finish_quads`.
+    Lines are counted from corner to corner, without edges that are ``followed``; arguments as of :func:`finish_quads`.
     """
-    features = _feature_lines(mesh, rows)
+    features = _feature_lines(mesh, rows, followed)
     if features is None:
         return np.empty(0), np.empty(0)
     return features.lengths[list(follow_features(quads, features)[1].missed)], features.lengths
 
 
-def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row]) -> FeatureLines | None:
-    """The lines that edges of the quad mesh should follow; None without rows of them."""
+def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike = ()) -> FeatureLines | None:
+    """The lines that edges of the quad mesh should follow, without some edges; None where there are none."""
     links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
-    return FeatureLines.of(mesh, np.unique(mesh.edges_between(*links.T))) if len(links) else None
+    edges = np.setdiff1d(mesh.edges_between(*links.T), without)
+    return FeatureLines.of(mesh, edges) if len(edges) else None
 
 
 def check_quads(quads: QuadMesh, mesh: TriangleMesh) -> None:
