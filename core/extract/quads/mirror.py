@@ -26,6 +26,8 @@ _SAME = 0.01
 # A vertex of the quad mesh with a barycentric coordinate below this lies on the edge; one at the rim of the quads that
 # is nearer than this to a plane, in mean edge lengths, is put onto it.
 _ON_EDGE, _BESIDE = 1e-3, 0.3
+# Other vertices stay at least this far from a plane, in mean edge lengths, and so from their mirror images.
+_APART = 0.05
 
 
 @dataclass(frozen=True)
@@ -85,14 +87,17 @@ class MirrorSide:
     def trace(self, edge_phases: EdgePhases) -> QuadMesh:
         """The quad mesh of a pattern on the part.
 
-        An edge between two vertices on a plane would coincide with its reflection: it gets a vertex in its middle.
+        An edge between two vertices on a plane would coincide with its reflection: it gets a vertex in its middle, where
+        it leads around a tube beside the plane.
         """
         quads = quad_mesh(self._phases(edge_phases))
         edges, counts = quads.edges
-        chords = edges[(counts == 2) & self._vertices_on_planes(quads)[edges].all(axis=1).any(axis=1)]
-        new = len(quads.vertices) + np.arange(len(chords))
+        on_planes = self._vertices_on_planes(quads)[edges].all(axis=1)
+        crosses = (counts == 2) & on_planes.any(axis=1)
+        chords, new = edges[crosses], len(quads.vertices) + np.arange(np.count_nonzero(crosses))
+        away = on_planes[crosses] @ self.units * quads.edge_lengths[crosses, None] / 2
         normals = self.mesh.face_normals[quads.triangles[chords]].sum(axis=1)
-        quads = with_vertices(quads, self.mesh, quads.vertices[chords].mean(axis=1), normals)
+        quads = with_vertices(quads, self.mesh, quads.vertices[chords].mean(axis=1) + away, normals)
         halves = np.sort(quads.half_edges, axis=1) @ [len(quads.vertices), 1]
         names = chords @ [len(quads.vertices), 1]  # ascending, as edges are
         at = np.flatnonzero(np.isin(halves, names))
@@ -103,15 +108,15 @@ class MirrorSide:
     def finish(self, quads: QuadMesh, rows: Sequence[Row], rounds: int, only_quads: bool) -> QuadMesh:
         """The quad mesh of the whole surface, of a traced one of the part; see :func:`finish_quads`."""
         own = [self._row(row) for row in rows]
-        on_planes = self._vertices_on_planes(quads)
-        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, np.flatnonzero(on_planes.any(axis=1)))
+        apart = np.flatnonzero(self._vertices_on_planes(quads).any(axis=1))
+        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, apart)
+        quads = _without_tips(quads, self._vertices_on_planes(quads))
         on_planes = self._vertices_on_planes(quads)
         for k, unit in enumerate(self.units):
             quads, source = _add_reflection(quads, unit, on_planes[:, k])
             on_planes = on_planes[source]
         _, triangles = self.whole.finder.nearest(quads.vertices)
         quads = replace(quads, triangles=triangles, weights=barycentric(self.whole, triangles, quads.vertices))
-        quads = quads.with_faces(quads.corner_vertices, quads.sizes)
         check_quads(quads, self.whole)
         return quads
 
@@ -131,31 +136,42 @@ class MirrorSide:
         return on_rim[:, None] & (on_planes | (beside & ~on_boundary[:, None]))
 
 
+def _without_tips(quads: QuadMesh, on_planes: np.ndarray) -> QuadMesh:
+    """The quad mesh without vertices on a plane that a quad has alone, between two others on the plane.
+
+    The triangle that is left becomes a quad with its reflection.
+    """
+    corners, after, before = quads.corner_vertices, quads.next_corners, quads.previous_corners
+    inside = on_planes[corners] & on_planes[corners[before]] & on_planes[corners[after]]
+    tips = (inside & ~on_planes[corners[after[after]]]).any(axis=1)
+    tips &= (np.bincount(corners)[corners] == 1) & (quads.sizes == 4)[quads.corner_faces]
+    return quads.with_faces(corners[~tips], quads.sizes - np.bincount(quads.corner_faces, tips).astype(int))
+
+
 def _add_reflection(quads: QuadMesh, unit: np.ndarray, on_plane: np.ndarray) -> tuple[QuadMesh, np.ndarray]:
     """The quad mesh with its reflection, joined at (n,) bool vertices, and the vertex that each of its own was.
 
-    A quad with the only corner at a vertex on the plane becomes one with its reflection.
+    A triangle with a side on the plane becomes a quad with its reflection.
     """
-    places = quads.vertices - np.outer(np.where(on_plane, quads.vertices @ unit, 0), unit)
     source = np.append(np.arange(len(on_plane)), np.flatnonzero(~on_plane))
     image = np.arange(len(on_plane))
     image[~on_plane] = len(on_plane) + np.arange(np.count_nonzero(~on_plane))
-    corners, following = quads.corner_vertices, quads.next_corners
-    before = np.empty_like(following)
-    before[following] = np.arange(len(following))
-    tips = on_plane[corners] & on_plane[corners[before]] & on_plane[corners[following]]
-    tips &= (np.bincount(corners)[corners] == 1) & (quads.sizes[quads.corner_faces] == 4)
-    tips &= ~on_plane[corners[following[following]]]
-    opposite = image[corners[following[following]]]
-    stays = np.ones(len(quads.sizes), bool)
-    stays[quads.corner_faces[tips]] = False
-    order = np.lexsort((-np.arange(len(corners)), quads.corner_faces))
-    kept = stays[quads.corner_faces[order]]
+    heights = quads.vertices @ unit
+    lifts = np.where(on_plane, -heights, np.maximum(_APART * quads.edge_lengths.mean() - heights, 0))
+    places = quads.vertices + np.outer(lifts, unit)
+    moved = places[~on_plane]
+    corners, after, faces = quads.corner_vertices, quads.next_corners, quads.corner_faces
+    sides = (quads.sizes == 3)[faces] & on_plane[corners] & on_plane[corners[after]] & ~on_plane[corners[after[after]]]
+    joined = np.zeros(len(quads.sizes), bool)
+    joined[faces[sides]] = True
+    backwards = np.lexsort((-np.arange(len(corners)), faces))
+    backwards = backwards[~joined[faces[backwards]]]
+    here = np.insert(corners, np.flatnonzero(sides) + 1, image[corners[after[after[sides]]]])
     result = replace(
         quads,
-        vertices=np.concatenate([places, places[~on_plane] - 2 * np.outer(places[~on_plane] @ unit, unit)]),
-        corner_vertices=np.concatenate([np.where(tips, opposite, corners), image[corners[order[kept]]]]),
-        sizes=np.concatenate([quads.sizes, quads.sizes[stays]]),
+        vertices=np.concatenate([places, moved - 2 * np.outer(moved @ unit, unit)]),
+        corner_vertices=np.concatenate([here, image[corners[backwards]]]),
+        sizes=np.concatenate([quads.sizes + joined, quads.sizes[~joined]]),
     )
     return result, source
 
