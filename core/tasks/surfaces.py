@@ -332,9 +332,7 @@ def _mirrors(given: MeshInput, axes: str) -> tuple[Mirror, ...]:
         raise error.renumbered(given.source) from None
 
 
-def _feature_rows(
-    given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike
-) -> tuple[Row, ...]:
+def _feature_rows(given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike) -> tuple[Row, ...]:
     """The row for the boundary and the sharp edges of the uncut mesh, and for mirror planes; none where there are none.
 
     Edges between two faces at more than the angle of ``features``, and those in ``sharp``, are sharp, unless the angle

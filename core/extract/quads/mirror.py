@@ -87,8 +87,8 @@ class MirrorSide:
     def trace(self, edge_phases: EdgePhases) -> QuadMesh:
         """The quad mesh of a pattern on the part.
 
-        An edge between two vertices on a plane would coincide with its reflection: it gets a vertex in its middle, where
-        it leads around a tube beside the plane.
+        An edge between two vertices on a plane would coincide with its reflection: it gets a vertex in its middle, on
+        the surface beside the plane.
         """
         quads = quad_mesh(self._phases(edge_phases))
         edges, counts = quads.edges

@@ -29,9 +29,7 @@ GAIN, WORST = 0.01, 50.0
 AROUND = 3.0
 
 
-def recover_tips(
-    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None
-) -> QuadMesh:
+def recover_tips(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None) -> QuadMesh:
     """The quad mesh with vertices moved where it cuts tips off; arguments as of :func:`fit_quads`."""
     lines, ground = sliding_lines(free, chains), Ground.of(mesh, quads)
     side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()

@@ -29,9 +29,7 @@ FARTHER, NEAR = 0.01, 0.08
 _PIECE = 1e-3
 
 
-def move_worst_corners(
-    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None
-) -> QuadMesh:
+def move_worst_corners(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None) -> QuadMesh:
     """The quad mesh with vertices moved where corners are bad; arguments as of :func:`fit_quads`.
 
     No patch's worst corner gets worse; corners that are turned over count as the worst.
