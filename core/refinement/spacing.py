@@ -108,7 +108,7 @@ def carries_few_lines(command: str, size: float, spacing: float) -> bool:
 
 def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: float | np.ndarray = 1.0) -> bool:
     """Whether faces carry the pattern asked for: their edges are short enough, joined where they meet, and for quad
-    meshes along mirror planes.
+    meshes along a mirror plane.
 
     ``factors`` are one, or (n,) on the spacing. SettingError as of :func:`asked_spacings`.
     """
@@ -121,7 +121,8 @@ def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: 
     if _asked_edges(command, mesh, settings, spacing, factors)[2] is not None:
         return False
     units = mirror_planes(given.stretch, settings.mirror)
-    if command == "quad_mesh" and len(units) and not are_divided_by_edges(mesh, units):
+    # Cut at two planes, a face that lies across both is not always mirrored.
+    if command == "quad_mesh" and len(units) == 1 and not are_divided_by_edges(mesh, units):
         return False
     if len(uncut.boundary_edges) == 0:
         return True

@@ -274,7 +274,7 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
         if alone:
             yield (
                 f"{alone} of {len(quads.vertices)} vertices of the quad mesh have no mirror image across {axis}, since "
-                "faces lie across its plane: set the surface to automatic"
+                "faces lie across a mirror plane: cut them there (Mesh > Bisect)"
             )
     others = int((quads.sizes != 4).sum())
     if others and request.settings.branching == 0:
