@@ -67,9 +67,10 @@ def finish_quads(
     free, loose = _free(quads, mesh, rows, chains)
     quads = fit_quads(quads, mesh, loose, rounds, chains)
     quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
-    edges, _ = quads.edges
+    edges, counts = quads.edges
     keep = edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
-    return flip_edges(quads, mesh.face_normals[quads.triangles], keep)
+    rim = np.unique(edges[counts == 1]) if np.size(apart) else ()
+    return flip_edges(quads, mesh.face_normals[quads.triangles], keep, rim)
 
 
 def lost_lines(

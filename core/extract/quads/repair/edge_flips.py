@@ -20,16 +20,17 @@ IRREGULAR = 10.0
 ROUNDS = 3
 
 
-def flip_edges(quads: QuadMesh, normals: np.ndarray, keep: ArrayLike = ()) -> QuadMesh:
-    """The quad mesh with edges flipped, on the same vertices; no new edge joins two vertices of the boundary.
+def flip_edges(quads: QuadMesh, normals: np.ndarray, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
+    """The quad mesh with edges flipped, on the same vertices.
 
     Parameters
     ----------
     normals : (n, 3) of the surface at the vertices
     keep : (k, 2) vertices of edges that stay
+    apart : vertices between which there are no new edges
     """
     edges, counts = quads.edges
-    faces = Faces.of(quads, normals, keep, np.unique(edges[counts == 1]))
+    faces = Faces.of(quads, normals, keep, apart)
     valences = np.bincount(edges.ravel(), minlength=len(quads.vertices))
     wanted = np.full(len(valences), 4)
     wanted[edges[counts == 1]] = 3
