@@ -37,6 +37,27 @@ def mirrored_corners(mesh: TriangleMesh, polygons: Polygons, axis: int) -> tuple
     return partner, opposite
 
 
+def mirror_planes(stretch: np.ndarray, axes: str) -> np.ndarray:
+    """Find the (k, 3) unit normals of planes through the origin across axes of an object, in the measured space."""
+    normals: np.ndarray = np.linalg.inv(stretch)[["XYZ".index(axis) for axis in axes]]
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals
+
+
+def sides_of_planes(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
+    """Find the (n, k) side of each of (k, 3) planes that vertices are on: 1, -1, or 0 on the plane."""
+    heights = mesh.vertices @ units.T
+    sides: np.ndarray = np.where(np.abs(heights) <= TOLERANCE * np.median(mesh.edge_lengths), 0, np.sign(heights))
+    return sides
+
+
+def are_divided_by_edges(mesh: TriangleMesh, units: np.ndarray) -> bool:
+    """Whether planes lead along edges of a mesh only, and no triangle lies in one."""
+    sides = sides_of_planes(mesh, units)[mesh.triangles]
+    low, high = sides.min(axis=1), sides.max(axis=1)
+    return not (((low < 0) & (high > 0)) | ((low == 0) & (high == 0))).any()
+
+
 def symmetric_axes(points: np.ndarray, near: float) -> tuple[int, ...]:
     """Find the axes in which (n, 3) points have mirror images within a distance, and do not all lie in the plane."""
     low, high = points.min(axis=0), points.max(axis=0)

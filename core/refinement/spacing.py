@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from ..errors import SettingError
 from ..geometry.check import refuse_far_vertices
 from ..geometry.mesh_input import MeshInput, ObjectMesh
+from ..geometry.mirror import are_divided_by_edges, mirror_planes
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import boundary_splits, welded_vertices
 from ..settings.surface import QUADS as QUAD_COMMANDS
@@ -106,7 +107,8 @@ def carries_few_lines(command: str, size: float, spacing: float) -> bool:
 
 
 def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: float | np.ndarray = 1.0) -> bool:
-    """Whether faces carry the pattern asked for: their edges are short enough, and joined where they meet.
+    """Whether faces carry the pattern asked for: their edges are short enough, joined where they meet, and for quad
+    meshes along a mirror plane.
 
     ``factors`` are one, or (n,) on the spacing. SettingError as of :func:`asked_spacings`.
     """
@@ -117,6 +119,10 @@ def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: 
         if not has_count and carries_few_lines(command, _size(mesh), spacing):
             return False
     if _asked_edges(command, mesh, settings, spacing, factors)[2] is not None:
+        return False
+    units = mirror_planes(given.stretch, settings.mirror)
+    # Cut at two planes, a face that lies across both is not always mirrored.
+    if command == "quad_mesh" and len(units) == 1 and not are_divided_by_edges(mesh, units):
         return False
     if len(uncut.boundary_edges) == 0:
         return True

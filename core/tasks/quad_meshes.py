@@ -12,7 +12,7 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
-from ..extract.quads.mirror import without_image
+from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.curl_removal import keep_factors
@@ -84,7 +84,9 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surfa
         directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
         found = _mesh_field(request, directions, progress)
     assert found.quads is not None
-    return found, _LostLines(*lost_lines(found.quads, request.given.mesh, request.rows))
+    mesh = request.given.mesh
+    planes = () if request.mirror_side is None else plane_edges(mesh, request.mirror_planes)
+    return found, _LostLines(*lost_lines(found.quads, mesh, request.rows, planes))
 
 
 def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":
@@ -304,8 +306,8 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh, lost: _LostLines) -> Ite
         alone = without_image(quads, normal)
         if alone:
             yield (
-                f"{alone} of {len(quads.vertices)} vertices of the quad mesh have no mirror image across {axis}: ask "
-                "for another number of faces"
+                f"{alone} of {len(quads.vertices)} vertices of the quad mesh have no mirror image across {axis}, since "
+                "faces lie across a mirror plane: cut them there (Mesh > Bisect)"
             )
     others = int((quads.sizes != 4).sum())
     if others and request.settings.branching == 0:

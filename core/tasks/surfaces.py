@@ -5,6 +5,7 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypedDict
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from ..errors import AsymmetryError, ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
 from ..extract.quads.finishing import check_quads, finish_quads
+from ..extract.quads.mirror import MirrorSide, plane_edges
 from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from ..fields import (
     DirectionField,
@@ -33,7 +35,7 @@ from ..fields.target_one_form import TargetOneForm
 from ..geometry import TriangleMesh
 from ..geometry.cut import edges_after_cut
 from ..geometry.mesh_input import MeshInput
-from ..geometry.mirror import mirrored_vertices
+from ..geometry.mirror import mirror_planes, mirrored_vertices
 from ..monitor import Callback, Monitor, portion
 from ..refinement.spacing import (
     COARSE_SHARE,
@@ -109,8 +111,8 @@ class SurfaceRequest:
             spacing = wished_spacing(mesh.areas.sum(), lines) if source.is_fitted else spacing_on_faces(mesh, lines)
         spacing, spacings = asked_spacings(command, mesh, settings, spacing, source.factors)
         rows = source.rows
-        if command == "quad_mesh" and settings.features > 0:
-            rows += _feature_rows(given, settings.features, smallest_sides(mesh, spacings), source.sharp)
+        if command == "quad_mesh":
+            rows += _feature_rows(given, settings, smallest_sides(mesh, spacings), source.sharp)
         mirrors: tuple[Reflection, ...] = _mirrors(given, settings.mirror)
         if given.seam is not None:
             mirrors += (Seam.of(mesh, given.seam, rows),)
@@ -269,26 +271,34 @@ class SurfaceRequest:
         """Whether all faces of the quad mesh become quads."""
         return self.command == "quad_mesh" and self.settings.branching == 0
 
-    def trace(self, pattern: Pattern) -> tuple[QuadMesh, dict[str, float]]:
-        """The quad mesh of a pattern's grid lines before finishing, and the seconds; errors as :func:`check_quads`."""
-        clock = Clock()
-        with clock("extract"):
-            quads = quad_mesh(pattern.edge_phases)
-            check_quads(quads, self.given.mesh)
-        return quads, clock.seconds
+    @cached_property
+    def mirror_side(self) -> MirrorSide | None:
+        """The part of the surface on which mirrored quad meshes are made; None for the whole of it."""
+        return None if self.given.seam is not None else MirrorSide.of(self.given.mesh, self.mirror_planes)
 
     @property
     def mirror_planes(self) -> np.ndarray:
-        """(k, 3) normals of the planes through the origin in which the pattern is mirrored."""
-        return np.linalg.inv(self.given.stretch)[["XYZ".index(axis) for axis in self.settings.mirror]]
+        """(k, 3) unit normals of the planes through the origin in which the pattern is mirrored."""
+        return mirror_planes(self.given.stretch, self.settings.mirror)
+
+    def trace(self, pattern: Pattern) -> tuple[QuadMesh, dict[str, float]]:
+        """The quad mesh of a pattern's grid lines before finishing, and the seconds; errors as :func:`check_quads`.
+
+        It is on :attr:`mirror_side`.
+        """
+        clock, side = Clock(), self.mirror_side
+        with clock("extract"):
+            quads = quad_mesh(pattern.edge_phases) if side is None else side.trace(pattern.edge_phases)
+            check_quads(quads, self.given.mesh if side is None else side.mesh)
+        return quads, clock.seconds
 
     def finish(self, quads: QuadMesh, seconds: dict[str, float]) -> _Finished:
         """The finished mesh of a traced one, and the seconds of tracing and finishing."""
-        clock = Clock()
+        clock, side = Clock(), self.mirror_side
         clock.add(seconds)
         with clock("extract"):
-            rules = self.mirror_planes, self.settings.smoothing, self.has_only_quads
-            quads = finish_quads(quads, self.given.mesh, self.rows, *rules)
+            rules = self.rows, self.settings.smoothing, self.has_only_quads
+            quads = finish_quads(quads, self.given.mesh, *rules) if side is None else side.finish(quads, *rules)
         return {"quads": quads, "seconds": clock.seconds}
 
     def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:
@@ -326,15 +336,20 @@ def _mirrors(given: MeshInput, axes: str) -> tuple[Mirror, ...]:
         raise error.renumbered(given.source) from None
 
 
-def _feature_rows(given: MeshInput, angle: float, sides: np.ndarray, sharp: ArrayLike) -> tuple[Row, ...]:
-    """The row for the boundary and the sharp edges of the uncut mesh, none where there are none.
+def _feature_rows(given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike) -> tuple[Row, ...]:
+    """The row for the boundary and the sharp edges of the uncut mesh, and for mirror planes; none where there are none.
 
-    Edges between two faces at more than ``angle``, and those in ``sharp``, are sharp; ``sides`` are the (n,) lengths of
-    a quad's side at each vertex, a few of which make a feature.
+    Edges between two faces at more than the angle of ``features``, and those in ``sharp``, are sharp, unless the angle
+    is 0; ``sides`` are the (n,) lengths of a quad's side at each vertex, a few of which make a feature.
     """
-    uncut = given.uncut
-    edges = feature_edges(uncut, angle, sides[: uncut.vertex_count], sharp, given.polygons.triangle_faces)
-    return (feature_row(given.mesh, edges_after_cut(uncut, given.mesh, edges)),) if len(edges) else ()
+    uncut, edges = given.uncut, np.empty(0, int)
+    if settings.features > 0:
+        sides = sides[: uncut.vertex_count]
+        edges = feature_edges(uncut, settings.features, sides, sharp, given.polygons.triangle_faces)
+        edges = edges_after_cut(uncut, given.mesh, edges)
+    if settings.mirror:
+        edges = np.union1d(edges, plane_edges(given.mesh, mirror_planes(given.stretch, settings.mirror)))
+    return (feature_row(given.mesh, edges),) if len(edges) else ()
 
 
 @dataclass(frozen=True)

@@ -117,13 +117,13 @@ def _outwards(mesh):
     return TriangleMesh(mesh.vertices, triangles)
 
 
-def kept_quads(mesh, spacing, rounds=10, mirrors=(), planes=()):
+def kept_quads(mesh, spacing, rounds=10):
     """The quad mesh that keeps features and has quads alone, and the indices of the mesh's edges that are features."""
     edges = feature_edges(mesh, ANGLE, spacing / 2)
     rows = (feature_row(mesh, edges),)
-    field = direction_field(mesh, 4, DirectionWishes(rows=rows, mirrors=mirrors))
-    pattern = quad_pattern(mesh, field, spacing, rows, mirrors, branching=0.0)
-    return finish_quads(quad_mesh(pattern.edge_phases), mesh, rows, planes, rounds, only_quads=True), edges
+    field = direction_field(mesh, 4, DirectionWishes(rows=rows))
+    pattern = quad_pattern(mesh, field, spacing, rows, branching=0.0)
+    return finish_quads(quad_mesh(pattern.edge_phases), mesh, rows, rounds, only_quads=True), edges
 
 
 def distances_from_edges(quads, points):

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finishes a traced quad mesh: puts it onto sharp edges, makes all faces quads if asked, mirrors and smooths it."""
+"""Finishes a traced quad mesh: puts it onto sharp edges, makes all faces quads if asked, and smooths it."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +11,6 @@ from ...fields.constraints.rows import GRID, Row
 from ...geometry import TriangleMesh
 from .features.chains import Chains, follow_features
 from .features.feature_lines import FeatureLines
-from .mirror import ON_PLANE, average_with_partners, mirror_half, partners
 from .repair.all_quads import all_quads
 from .repair.edge_flips import flip_edges
 from .repair.quad_collapse import collapse_quads
@@ -31,11 +29,11 @@ def finish_quads(
     quads: QuadMesh,
     mesh: TriangleMesh,
     rows: Sequence[Row],
-    planes: Iterable[ArrayLike],
     rounds: int,
     only_quads: bool = False,
+    apart: ArrayLike = (),
 ) -> QuadMesh:
-    """The quad mesh put onto its surface's features, made symmetric, and with faces as near to squares as possible.
+    """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
 
     Vertices on boundaries and sharp edges that are kept slide along them. Other vertices on the boundary or on lines of
     rows stay in place, and those at other sharp edges move only to mend bad corners.
@@ -44,71 +42,55 @@ def finish_quads(
     ----------
     mesh : on which the quad mesh was traced
     rows : of the constraint list; rows of phases hold the vertices on their lines
-    planes : (3,) normals of mirror planes through the origin, of any length
     rounds : number of smoothing steps
     only_quads : whether all faces become quads
+    apart : vertices between which there are no new edges
 
     Raises SettingError for a pattern without faces, or whose faces would meet themselves, and for one that loses a
     handle.
     """
     check_quads(quads, mesh)
-    units = [np.asarray(normal) / np.linalg.norm(normal) for normal in planes]
     features, chains = _feature_lines(mesh, rows), None
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
-    followed = quads
     if only_quads:
-        quads = all_quads(quads, mesh, [] if chains is None else chains.edges(quads))
-    for unit in units:
-        quads = mirror_half(quads, mesh, unit)
-    if features is not None and quads is not followed:
-        quads, chains = follow_features(quads, features)
-    if only_quads and not units and (quads.sizes == 4).all():  # halves would be collapsed in different ways
+        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), apart)
+        if features is not None and quads is not followed:
+            quads, chains = follow_features(quads, features)
+    if only_quads and (quads.sizes == 4).all():
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
         chains = None if chains is None else chains.of_vertices(kept)
     check_quads(quads, mesh)
     if rounds == 0:
         return quads
-    mates = [partners(quads, unit) for unit in units]
-    heights = [np.abs(quads.vertices @ unit) for unit in units]
-    on_planes = [h <= ON_PLANE * np.ptp(quads.vertices, axis=0).max() for h in heights]
     free, loose = _free(quads, mesh, rows, chains)
-    if chains is not None:
-        crossing = (chains.lines >= 0) & np.any([np.zeros(len(free), bool), *on_planes], axis=0)
-        free, loose = free & ~crossing, loose & ~crossing
-    held = list(zip(units, on_planes, strict=True))
-    quads = fit_quads(quads, mesh, loose, held, rounds, chains)
-    quads = move_worst_corners(recover_tips(quads, mesh, free, held, chains), mesh, free, held, chains)
-    if not units:  # edges of the two halves would be flipped in different ways
-        edges, _ = quads.edges
-        keep = edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
-        quads = flip_edges(quads, mesh.face_normals[quads.triangles], keep)
-    for unit, mate in zip(units, mates, strict=True):
-        # Partners that were too near to others to be paired may be distinct by now.
-        partner = partners(quads, unit) if mate is None else mate
-        if partner is None:
-            quads = mirror_half(quads, mesh, unit)
-        else:
-            quads = replace(quads, vertices=average_with_partners(quads.vertices, partner, unit))
-    return quads
+    quads = fit_quads(quads, mesh, loose, rounds, chains)
+    quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
+    edges, counts = quads.edges
+    keep = edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
+    rim = np.unique(edges[counts == 1]) if np.size(apart) else ()
+    return flip_edges(quads, mesh.face_normals[quads.triangles], keep, rim)
 
 
-def lost_lines(quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row]) -> tuple[np.ndarray, np.ndarray]:
+def lost_lines(
+    quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], followed: ArrayLike = ()
+) -> tuple[np.ndarray, np.ndarray]:
     """(k,) lengths of the boundaries and sharp edges that the quad mesh's edges do not follow, and (l,) of all of them.
 
-    Lines are counted from corner to corner; arguments as of :func:`finish_quads`.
+    Lines are counted from corner to corner, without edges that are ``followed``; arguments as of :func:`finish_quads`.
     """
-    features = _feature_lines(mesh, rows)
+    features = _feature_lines(mesh, rows, followed)
     if features is None:
         return np.empty(0), np.empty(0)
     return features.lengths[list(follow_features(quads, features)[1].missed)], features.lengths
 
 
-def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row]) -> FeatureLines | None:
-    """The lines that edges of the quad mesh should follow; None without rows of them."""
+def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike = ()) -> FeatureLines | None:
+    """The lines that edges of the quad mesh should follow, without some edges; None where there are none."""
     links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
-    return FeatureLines.of(mesh, np.unique(mesh.edges_between(*links.T))) if len(links) else None
+    edges = np.setdiff1d(mesh.edges_between(*links.T), without)
+    return FeatureLines.of(mesh, edges) if len(edges) else None
 
 
 def check_quads(quads: QuadMesh, mesh: TriangleMesh) -> None:

@@ -1,105 +1,190 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirror-symmetric quad meshes, made of one half and its reflection."""
+"""Mirror-symmetric quad meshes: traced and finished on one side of the mirror planes, and reflected.
 
-from dataclasses import replace
+The planes lead along edges of the surface, which become the boundary of that side, with vertices of the quad mesh on
+it. So the halves fit.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...fields.constraints.rows import Row
 from ...geometry import TriangleMesh
 from ...geometry.barycentric import barycentric
-from .trace.quad_mesh import QuadMesh
+from ...geometry.mirror import are_divided_by_edges, sides_of_planes
+from ...interpolate import EdgePhases
+from .finishing import check_quads, finish_quads
+from .repair.all_quads import with_vertices
+from .trace.quad_mesh import QuadMesh, quad_mesh
 
-# A vertex nearer to a mirror plane than this share of the object's size lies on it.
-ON_PLANE = 1e-5
-# Largest distance, in mean edge lengths, of a vertex from the mirror image of its partner, and from its own if it is
-# put onto the plane.
-PARTNER_REACH, OWN_REACH = 0.3, 0.5
 # Vertices that are nearer than this to a mirror image, in mean edge lengths, have one.
 _SAME = 0.01
+# A vertex of the quad mesh with a barycentric coordinate below this lies on the edge; one at the rim of the quads that
+# is nearer than this to a plane, in mean edge lengths, is put onto it.
+_ON_EDGE, _BESIDE = 1e-3, 0.3
+# Other vertices stay at least this far from a plane, in mean edge lengths, and so from their mirror images.
+_APART = 0.05
 
 
-def mirror_half(quads: QuadMesh, mesh: TriangleMesh, normal: np.ndarray) -> QuadMesh:
-    """The half on the positive side of a plane through the origin with its reflection; unchanged where they do not fit.
+@dataclass(frozen=True)
+class MirrorSide:
+    """The part of a surface on the positive sides of mirror planes through the origin.
 
-    Faces across the plane become their positive part and its reflection. The surface is symmetric; the plane's normal
-    (3,) may have any length.
+    Attributes
+    ----------
+    whole : the surface, its own mirror image
+    units : (k, 3) unit normals of the planes
+    mesh : the part
+    vertices, triangles : (n,) vertex and (m,) triangle of the whole surface for those of the part, ascending
     """
-    unit = normal / np.linalg.norm(normal)
-    heights = quads.vertices @ unit
-    # A vertex that is nearly its own mirror image, as at a disclination beside the plane, is put onto it.
-    apart, nearest = _images(quads, unit)
-    on_plane = np.abs(heights) <= ON_PLANE * np.ptp(quads.vertices, axis=0).max()
-    on_plane |= (nearest == np.arange(len(nearest))) & (apart <= OWN_REACH * quads.edge_lengths.mean())
-    sides = np.where(on_plane, 0, np.sign(heights)).astype(int)
-    count = len(quads.vertices)
-    flat = quads.vertices - np.outer(np.where(sides == 0, heights, 0), unit)
-    # The image of vertex k is vertex count + k; vertices on the plane are their own images.
-    image = np.where(sides == 0, 0, count) + np.arange(count)
-    faces = []
-    for corners in np.split(quads.corner_vertices, quads.starts[1:]):
-        there = sides[corners]
-        if there.max() <= 0:
-            continue
-        if there.min() >= 0:
-            faces += [corners, image[corners[::-1]]]
-            continue
-        # The run of corners on the positive side, which begins and ends on the plane.
-        first = np.flatnonzero((there >= 0) & (np.roll(there, 1) < 0))
-        if len(first) != 1:
-            return quads
-        run = np.roll(corners, -first[0])
-        run = run[np.cumprod(sides[run] >= 0).astype(bool)]
-        back = image[run[::-1]]
-        faces.append(np.concatenate([run, back[~np.isin(back, run)]]))
-    if not faces:
+
+    whole: TriangleMesh
+    units: np.ndarray
+    mesh: TriangleMesh
+    vertices: np.ndarray
+    triangles: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, units: np.ndarray) -> "MirrorSide | None":
+        """The part of a symmetric mesh for (k, 3) unit normals; None without planes, or where one crosses triangles."""
+        if len(units) == 0 or not are_divided_by_edges(mesh, units):
+            return None
+        sides = sides_of_planes(mesh, units)
+        triangles = np.flatnonzero((sides[mesh.triangles] >= 0).all(axis=(1, 2)))
+        vertices, corners = np.unique(mesh.triangles[triangles], return_inverse=True)
+        # Vertices on a plane are put exactly onto it.
+        places = mesh.vertices[vertices]
+        places = places - np.where(sides[vertices] == 0, places @ units.T, 0) @ units
+        return cls(mesh, units, TriangleMesh(places, corners.reshape(-1, 3)), vertices, triangles)
+
+    @cached_property
+    def _on_planes(self) -> np.ndarray:
+        """(n, k) bool: vertices of the part on each plane."""
+        return sides_of_planes(self.whole, self.units)[self.vertices] == 0
+
+    def _phases(self, edge_phases: EdgePhases) -> EdgePhases:
+        """The phases of the whole surface on the part."""
+        edges = self.whole.edges_between(*self.vertices[self.mesh.edges].T)
+        arguments, changes = edge_phases.arguments[self.vertices], edge_phases.changes[edges]
+        return EdgePhases(self.mesh, arguments, changes, edge_phases.matchings[edges])
+
+    def _row(self, row: Row) -> Row:
+        """What a row of the whole surface holds of the part."""
+        numbers = np.full(self.whole.vertex_count, -1)
+        numbers[self.vertices] = np.arange(len(self.vertices))
+        line = row.line
+        here = numbers[line.vertices] >= 0
+        links = numbers[line.links]
+        stations = {name: getattr(line, name)[here] for name in ("angles", "offsets", "lengths")}
+        own = replace(line, vertices=numbers[line.vertices[here]], links=links[(links >= 0).all(axis=1)], **stations)
+        value = row.value if np.ndim(row.value) == 0 else np.asarray(row.value)[numbers[line.nodes] >= 0]
+        return replace(row, line=own, value=value)
+
+    def trace(self, edge_phases: EdgePhases) -> QuadMesh:
+        """The quad mesh of a pattern on the part.
+
+        An edge between two vertices on a plane would coincide with its reflection: it gets a vertex in its middle, on
+        the surface beside the plane.
+        """
+        quads = quad_mesh(self._phases(edge_phases))
+        edges, counts = quads.edges
+        on_planes = self._vertices_on_planes(quads)[edges].all(axis=1)
+        crosses = (counts == 2) & on_planes.any(axis=1)
+        chords, new = edges[crosses], len(quads.vertices) + np.arange(np.count_nonzero(crosses))
+        away = on_planes[crosses] @ self.units * quads.edge_lengths[crosses, None] / 2
+        normals, ends = self.mesh.face_normals[quads.triangles[chords]].sum(axis=1), quads.vertices[chords]
+        quads = with_vertices(quads, self.mesh, ends.mean(axis=1) + away, normals, ends)
+        halves = np.sort(quads.half_edges, axis=1) @ [len(quads.vertices), 1]
+        names = chords @ [len(quads.vertices), 1]  # ascending, as edges are
+        at = np.flatnonzero(np.isin(halves, names))
+        added = new[np.searchsorted(names, halves[at])]
+        sizes = quads.sizes + np.bincount(quads.corner_faces[at], minlength=len(quads.sizes))
+        return replace(quads, corner_vertices=np.insert(quads.corner_vertices, at + 1, added), sizes=sizes)
+
+    def finish(self, quads: QuadMesh, rows: Sequence[Row], rounds: int, only_quads: bool) -> QuadMesh:
+        """The quad mesh of the whole surface, of a traced one of the part; see :func:`finish_quads`."""
+        own = [self._row(row) for row in rows]
+        apart = np.flatnonzero(self._vertices_on_planes(quads).any(axis=1))
+        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, apart)
+        quads = _without_tips(quads, self._vertices_on_planes(quads))
+        on_planes = self._vertices_on_planes(quads)
+        for k, unit in enumerate(self.units):
+            quads, source = _add_reflection(quads, unit, on_planes[:, k])
+            on_planes = on_planes[source]
+        _, triangles = self.whole.finder.nearest(quads.vertices)
+        quads = replace(quads, triangles=triangles, weights=barycentric(self.whole, triangles, quads.vertices))
+        check_quads(quads, self.whole)
         return quads
-    used, corner_vertices = np.unique(np.concatenate(faces), return_inverse=True)
-    places = np.concatenate([flat, flat - 2 * np.outer(flat @ unit, unit)])[used]
-    _, triangles = mesh.finder.nearest(places)
+
+    def _vertices_on_planes(self, quads: QuadMesh) -> np.ndarray:
+        """(n, k) bool: vertices of a quad mesh of the part that become vertices on each plane.
+
+        They are on edges in the plane, or were added at the boundary of the quads beside it.
+        """
+        edges, counts = quads.edges
+        on_rim = np.zeros(len(quads.vertices), bool)
+        on_rim[edges[counts == 1]] = True
+        used = quads.weights > _ON_EDGE
+        corners = self.mesh.triangles[quads.triangles]
+        on_planes = (self._on_planes[corners] | ~used[:, :, None]).all(axis=1)
+        on_boundary = (self.whole.boundary_vertices[self.vertices][corners] | ~used).all(axis=1)
+        beside = np.abs(quads.vertices @ self.units.T) < _BESIDE * quads.edge_lengths.mean()
+        return on_rim[:, None] & (on_planes | (beside & ~on_boundary[:, None]))
+
+
+def _without_tips(quads: QuadMesh, on_planes: np.ndarray) -> QuadMesh:
+    """The quad mesh without vertices on a plane that a quad has alone, between two others on the plane.
+
+    The triangle that is left becomes a quad with its reflection.
+    """
+    corners, after, before = quads.corner_vertices, quads.next_corners, quads.previous_corners
+    inside = on_planes[corners] & on_planes[corners[before]] & on_planes[corners[after]]
+    tips = (inside & ~on_planes[corners[after[after]]]).any(axis=1)
+    tips &= (np.bincount(corners)[corners] == 1) & (quads.sizes == 4)[quads.corner_faces]
+    return quads.with_faces(corners[~tips], quads.sizes - np.bincount(quads.corner_faces, tips).astype(int))
+
+
+def _add_reflection(quads: QuadMesh, unit: np.ndarray, on_plane: np.ndarray) -> tuple[QuadMesh, np.ndarray]:
+    """The quad mesh with its reflection, joined at (n,) bool vertices, and the vertex that each of its own was.
+
+    A triangle with a side on the plane becomes a quad with its reflection.
+    """
+    source = np.append(np.arange(len(on_plane)), np.flatnonzero(~on_plane))
+    image = np.arange(len(on_plane))
+    image[~on_plane] = len(on_plane) + np.arange(np.count_nonzero(~on_plane))
+    heights = quads.vertices @ unit
+    lifts = np.where(on_plane, -heights, np.maximum(_APART * quads.edge_lengths.mean() - heights, 0))
+    places = quads.vertices + np.outer(lifts, unit)
+    moved = places[~on_plane]
+    corners, after, faces = quads.corner_vertices, quads.next_corners, quads.corner_faces
+    sides = (quads.sizes == 3)[faces] & on_plane[corners] & on_plane[corners[after]] & ~on_plane[corners[after[after]]]
+    joined = np.zeros(len(quads.sizes), bool)
+    joined[faces[sides]] = True
+    backwards = np.lexsort((-np.arange(len(corners)), faces))
+    backwards = backwards[~joined[faces[backwards]]]
+    here = np.insert(corners, np.flatnonzero(sides) + 1, image[corners[after[after[sides]]]])
     result = replace(
         quads,
-        vertices=places,
-        triangles=triangles,
-        weights=barycentric(mesh, triangles, places),
-        corner_vertices=corner_vertices,
-        sizes=np.array([len(face) for face in faces]),
+        vertices=np.concatenate([places, moved - 2 * np.outer(moved @ unit, unit)]),
+        corner_vertices=np.concatenate([here, image[corners[backwards]]]),
+        sizes=np.concatenate([quads.sizes + joined, quads.sizes[~joined]]),
     )
-    return result if _fits(result, quads) else quads
+    return result, source
 
 
-def _fits(quads: QuadMesh, before: QuadMesh) -> bool:
-    """Whether a mesh is as regular as the one before it."""
-    return (
-        quads.is_simple
-        and quads.sizes.min() > 2
-        and quads.edges[1].max() <= 2
-        and quads.euler_characteristic == before.euler_characteristic
-        and (quads.sizes != 4).sum() <= (before.sizes != 4).sum()
-    )
+def plane_edges(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
+    """Indices of the edges in planes of :class:`MirrorSide`, with faces on both sides."""
+    on_planes = sides_of_planes(mesh, units) == 0
+    edges: np.ndarray = np.flatnonzero(on_planes[mesh.edges].all(axis=1).any(axis=1) & (mesh.edge_face_counts == 2))
+    return edges
 
 
-def partners(quads: QuadMesh, normal: np.ndarray) -> np.ndarray | None:
-    """(n,) vertex nearest to the mirror image of each, or None if that is not a pairing of near vertices."""
-    apart, partner = _images(quads, normal / np.linalg.norm(normal))
-    is_near = apart.max(initial=0) <= PARTNER_REACH * quads.edge_lengths.mean()
-    return partner if is_near and (partner[partner] == np.arange(len(partner))).all() else None
-
-
-def without_image(quads: QuadMesh, normal: np.ndarray) -> int:
+def without_image(quads: QuadMesh, unit: np.ndarray) -> int:
     """How many vertices are farther than a hundredth of a mean edge from all mirror images."""
-    apart, _ = _images(quads, normal / np.linalg.norm(normal))
+    images = quads.vertices - 2 * np.outer(quads.vertices @ unit, unit)
+    apart, _ = cKDTree(quads.vertices).query(images)
     return int(np.count_nonzero(apart > _SAME * quads.edge_lengths.mean()))
-
-
-def _images(quads: QuadMesh, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) distance of the mirror image of each vertex from the nearest vertex, and (n,) that vertex."""
-    apart, nearest = cKDTree(quads.vertices).query(quads.vertices - 2 * np.outer(quads.vertices @ unit, unit))
-    return apart, nearest
-
-
-def average_with_partners(points: np.ndarray, partner: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Points moved halfway to the mirror images of their partners."""
-    unit = normal / np.linalg.norm(normal)
-    image = points[partner] - 2 * np.outer(points[partner] @ unit, unit)
-    return (points + image) / 2

@@ -373,6 +373,6 @@ def test_quads_around_a_ball_are_no_mesh_of_a_torus():
         mesh = meshes.read_mesh(build()).mesh
         if refused:
             with pytest.raises(SettingError, match="a handle of it would be lost: reduce the spacing"):
-                finish_quads(quads, mesh, (), (), 0)
+                finish_quads(quads, mesh, (), 0)
         else:
-            assert finish_quads(quads, mesh, (), (), 0) is quads
+            assert finish_quads(quads, mesh, (), 0) is quads

@@ -209,7 +209,8 @@ def _chain(
         begin, ways = ways[first], (ways - ways[first]) % length
     if first is None or last is None or (closed and apart[first] > LINE_REACH * side):
         return None
-    found = _path(quads, edges, ways, apart, side, (first, last), length)
+    shortest = side if features.on_boundary[number] else 0.0
+    found = _path(quads, edges, ways, apart, side, (first, last), length, shortest)
     if found is None:
         return None
     path, cuts = found
@@ -236,6 +237,7 @@ def _path(
     side: float,
     ends: tuple[int, int],
     length: float,
+    shortest: float,
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """(k,) vertices from one end of a line to the other along edges near it, and (c, 2) steps along diagonals; or None.
 
@@ -260,7 +262,7 @@ def _path(
     parts, costs = [_with_ends(part[close[part].all(axis=1)], ends, count) for part in edges], []
     for part, more in zip(parts, (0.0, CUTTING * side), strict=True):
         steps = np.linalg.norm(np.diff(quads.vertices[names[part]], axis=1)[:, 0], axis=1)
-        onwards = np.abs(np.diff(ways[part], axis=1)[:, 0]) < LENGTH_RATIO * steps
+        onwards = np.abs(np.diff(ways[part], axis=1)[:, 0]) < LENGTH_RATIO * np.maximum(steps, shortest)
         usable = onwards & (apart[part] < LINE_REACH).all(axis=1)
         away = np.where(usable, (apart[part] ** 2).mean(axis=1), 0)
         costs.append(np.where(usable, steps * (1 + DISTANCE_COST * away) + more + 1e-9 * side, np.inf))

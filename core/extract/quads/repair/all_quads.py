@@ -48,6 +48,7 @@ class Faces:
     kept : edges that stay
     vertices, normals : (n, 3)
     halved : ends of the edge that each new vertex is in the middle of
+    apart : vertices between which there are no new edges
     """
 
     corners: dict[int, list[int]]
@@ -56,12 +57,14 @@ class Faces:
     kept: set[Edge]
     vertices: np.ndarray
     normals: np.ndarray
+    apart: set[int]
     halved: list[Edge] = field(default_factory=list)
 
     @classmethod
-    def of(cls, quads: QuadMesh, normals: np.ndarray, keep: ArrayLike) -> "Faces":
+    def of(cls, quads: QuadMesh, normals: np.ndarray, keep: ArrayLike, apart: ArrayLike = ()) -> "Faces":
         edges = np.asarray(keep, int).reshape(-1, 2).tolist()
-        result = cls({}, {}, count(), set(map(edge_of, edges)), quads.vertices, normals)
+        alone = set(np.asarray(apart, int).tolist())
+        result = cls({}, {}, count(), set(map(edge_of, edges)), quads.vertices, normals, alone)
         for corners in np.split(quads.corner_vertices, quads.starts[1:]):
             result.add(corners.tolist())
         return result
@@ -98,6 +101,8 @@ class Faces:
         self.vertices = np.vstack([self.vertices, self.vertices[ends].mean(axis=0)])
         self.normals = np.vstack([self.normals, self.normals[ends].sum(axis=0)])
         self.kept |= {(end, new) for end in ends}
+        if self.apart.issuperset(edge):
+            self.apart.add(new)
         return new
 
 
@@ -111,17 +116,18 @@ def _half_edges(corners: Sequence[int]) -> Iterator[Edge]:
     return zip(corners, [*corners[1:], corners[0]], strict=True)
 
 
-def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> QuadMesh:
+def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
     """The quad mesh with quads instead of other faces, as far as possible.
 
     Parameters
     ----------
     mesh : the surface
     keep : (k, 2) vertices of edges that stay, whole or halved
+    apart : vertices between which there are no new edges
     """
     if (quads.sizes == 4).all():
         return quads
-    faces = Faces.of(quads, mesh.face_normals[quads.triangles], keep)
+    faces = Faces.of(quads, mesh.face_normals[quads.triangles], keep, apart)
     shortest = SHORTEST * quads.edge_lengths.mean()
     odd = sorted(number for number, corners in faces.corners.items() if len(corners) % 2)
     while odd:
@@ -131,19 +137,21 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> Quad
     for number in [n for n, corners in faces.corners.items() if len(corners) > 4 and len(corners) % 2 == 0]:
         _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
-    return faces.put_on(_with_vertices(quads, mesh, faces))
-
-
-def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, faces: Faces) -> QuadMesh:
-    """The quad mesh with the new vertices of its faces, projected onto the surface where it looks along their normals.
-
-    Where an end of their edge would be there already, as at corners, they go to the nearest place.
-    """
-    if len(faces.halved) == 0:
-        return quads
     new = slice(len(quads.vertices), None)
-    middles, ends = faces.vertices[new], faces.vertices[np.array(faces.halved)]
-    places, triangles = mesh.finder.nearest_facing(middles, faces.normals[new])
+    ends = faces.vertices[np.array(faces.halved, int).reshape(-1, 2)]
+    return faces.put_on(with_vertices(quads, mesh, faces.vertices[new], faces.normals[new], ends))
+
+
+def with_vertices(
+    quads: QuadMesh, mesh: TriangleMesh, middles: np.ndarray, normals: np.ndarray, ends: np.ndarray
+) -> QuadMesh:
+    """The quad mesh with further vertices, projected onto the surface where it looks along (k, 3) normals.
+
+    Where one of the (k, 2, 3) ends of their edge would be there already, as at corners, they go to the nearest place.
+    """
+    if len(middles) == 0:
+        return quads
+    places, triangles = mesh.finder.nearest_facing(middles, normals)
     apart = np.linalg.norm(places[:, None] - ends, axis=2).min(axis=1)
     meets = apart < SHORTEST * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     places[meets], triangles[meets] = mesh.finder.nearest(middles[meets])
@@ -240,7 +248,9 @@ def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _C
         return None
     inside = {way for number in numbers for way in _half_edges(faces.corners[number])}
     points, up = faces.vertices[polygon], faces.normals[polygon]
-    taken = [[(a, b) in faces.left and (a, b) not in inside for b in polygon] for a in polygon]
+    taken = [
+        [({a, b} <= faces.apart or (a, b) in faces.left) and (a, b) not in inside for b in polygon] for a in polygon
+    ]
 
     @cache
     def corner(before: int, at: int, after: int) -> float:

@@ -20,16 +20,17 @@ IRREGULAR = 10.0
 ROUNDS = 3
 
 
-def flip_edges(quads: QuadMesh, normals: np.ndarray, keep: ArrayLike = ()) -> QuadMesh:
+def flip_edges(quads: QuadMesh, normals: np.ndarray, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
     """The quad mesh with edges flipped, on the same vertices.
 
     Parameters
     ----------
     normals : (n, 3) of the surface at the vertices
     keep : (k, 2) vertices of edges that stay
+    apart : vertices between which there are no new edges
     """
-    faces = Faces.of(quads, normals, keep)
     edges, counts = quads.edges
+    faces = Faces.of(quads, normals, keep, apart)
     valences = np.bincount(edges.ravel(), minlength=len(quads.vertices))
     wanted = np.full(len(valences), 4)
     wanted[edges[counts == 1]] = 3
@@ -57,7 +58,7 @@ def _flip_best(faces: Faces, number: int, valences: np.ndarray, wanted: np.ndarr
         before = max(_worst_deviations(faces, faces.corners[n]) for n in (number, other))
         for first in range(3):
             p, q = hexagon[first], hexagon[first + 3]
-            if {p, q} == {a, b} or (p, q) in faces.left or (q, p) in faces.left:
+            if {p, q} == {a, b} or (p, q) in faces.left or (q, p) in faces.left or faces.apart.issuperset((p, q)):
                 continue
             pair = hexagon[first : first + 4], [*hexagon[first + 3 :], *hexagon[: first + 1]]
             won = before - max(_worst_deviations(faces, corners) for corners in pair)

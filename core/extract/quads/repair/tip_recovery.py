@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from ....geometry import TriangleMesh
 from ....geometry.nearest import NearestTriangles
 from ..features.chains import Chains
-from ..smooth.fitting import Planes, sliding_lines
+from ..smooth.fitting import sliding_lines
 from ..smooth.patches import Ground, Judge, Patches, faces_near
 from ..trace.quad_mesh import QuadMesh
 
@@ -29,9 +29,7 @@ GAIN, WORST = 0.01, 50.0
 AROUND = 3.0
 
 
-def recover_tips(
-    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, planes: Planes, chains: Chains | None = None
-) -> QuadMesh:
+def recover_tips(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None) -> QuadMesh:
     """The quad mesh with vertices moved where it cuts tips off; arguments as of :func:`fit_quads`."""
     lines, ground = sliding_lines(free, chains), Ground.of(mesh, quads)
     side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()
@@ -47,8 +45,6 @@ def recover_tips(
         moving = np.flatnonzero(goes & free)
         if len(moving) == 0:
             break
-        for unit, on_plane in planes:
-            moves[on_plane] -= np.outer(moves[on_plane] @ unit, unit)
         patches = Patches.of(quads, ground, moving)
         quads, moved = patches.move_better(moves[moving], PARTS, lines, chains, _judge(patches, samples, faces))
         if not moved.any():

@@ -2,11 +2,9 @@
 """Makes the faces of a quad mesh as near to rectangles as the surface and its lines allow.
 
 Each face has a target, the nearest rectangle in its own plane. A vertex moves to the mean of its faces' targets
-(Bouaziz et al. 2012, Shape-Up), then back onto the surface, its feature line or its mirror plane. The target of a face
+(Bouaziz et al. 2012, Shape-Up), then back onto the surface or its feature line. The target of a face
 that is turned over is turned back.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,12 +21,10 @@ GOOD, URGENCY = 30.0, 4.0
 # Part of the gap to its neighbour on the line by which a vertex may move in a round, so that no two meet.
 NEARER = 0.4
 _TINY = np.finfo(float).tiny
-# Mirror planes through the origin: (3,) unit normals, and (n,) bool of the vertices that stay on them.
-Planes = Sequence[tuple[np.ndarray, np.ndarray]]
 
 
 def fit_quads(
-    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, planes: Planes, rounds: int, chains: Chains | None = None
+    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, rounds: int, chains: Chains | None = None
 ) -> QuadMesh:
     """The quad mesh after some rounds; the targets of faces that are not quads are regular polygons.
 
@@ -36,7 +32,6 @@ def fit_quads(
     ----------
     mesh : the surface
     free : (n,) bool, vertices that may move; those on lines stay on their lines
-    planes : mirror planes and the vertices on them
     chains : vertices on feature lines
     """
     lines = sliding_lines(free, chains)
@@ -48,8 +43,6 @@ def fit_quads(
         np.add.at(moved, quads.corner_vertices, weights * _target_corners(quads, mesh, square))
         np.add.at(sums, quads.corner_vertices, weights)
         moved /= np.maximum(sums, _TINY)
-        for unit, on_plane in planes:
-            moved[on_plane] -= np.outer(moved[on_plane] @ unit, unit)
         quads = project_vertices(quads, mesh, lines, chains, movable, moved[movable])
     return quads
 

@@ -146,10 +146,8 @@ class Patches:
         moves[moving] = True
         touched = np.unique(quads.corner_faces[moves[quads.corner_vertices]])
         which = np.flatnonzero(np.isin(quads.corner_faces, touched))
-        following = quads.next_corners
-        before = np.empty_like(following)
-        before[following] = np.arange(len(following))
-        corners = quads.corner_vertices[np.column_stack([before[which], which, following[which]])]
+        around = quads.previous_corners[which], which, quads.next_corners[which]
+        corners = quads.corner_vertices[np.column_stack(around)]
         faces = np.searchsorted(touched, quads.corner_faces[which])
         regular = np.radians(regular_degrees(quads.sizes[touched[faces]]))
         inside = moves[corners[:, 1]]

@@ -12,7 +12,7 @@ from ....geometry import TriangleMesh
 from ..features.chains import Chains
 from ..measure.quality import corner_angles
 from ..trace.quad_mesh import QuadMesh
-from .fitting import Planes, sliding_lines, unit_vectors
+from .fitting import sliding_lines, unit_vectors
 from .patches import Ground, Judge, Patches, regular_degrees
 
 # Corners that deviate from a right angle by more degrees than this are bad.
@@ -29,9 +29,7 @@ FARTHER, NEAR = 0.01, 0.08
 _PIECE = 1e-3
 
 
-def move_worst_corners(
-    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, planes: Planes, chains: Chains | None = None
-) -> QuadMesh:
+def move_worst_corners(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None) -> QuadMesh:
     """The quad mesh with vertices moved where corners are bad; arguments as of :func:`fit_quads`.
 
     No patch's worst corner gets worse; corners that are turned over count as the worst.
@@ -46,7 +44,7 @@ def move_worst_corners(
         if len(moving) == 0:
             break
         patches = Patches.of(quads, ground, moving)
-        moves = patches.descend(_directions(quads, mesh, moving, planes, lines, chains))
+        moves = patches.descend(_directions(quads, mesh, moving, lines, chains))
         quads, _ = patches.move_better(moves, PARTS, lines, chains, _judge(patches))
     return quads
 
@@ -79,15 +77,12 @@ def _judge(patches: Patches) -> Judge:
 
 
 def _directions(
-    quads: QuadMesh, mesh: TriangleMesh, moving: np.ndarray, planes: Planes, lines: np.ndarray, chains: Chains | None
+    quads: QuadMesh, mesh: TriangleMesh, moving: np.ndarray, lines: np.ndarray, chains: Chains | None
 ) -> np.ndarray:
     """(k, 2, 3) orthogonal unit directions in which vertices may move, 0 where there are fewer."""
     up = mesh.face_normals[quads.triangles[moving]]
     first = unit_vectors(np.cross(up, np.eye(3)[np.abs(up).argmin(axis=1)]))
     result = np.stack([first, np.cross(up, first)], axis=1)
-    for unit, on_plane in planes:
-        held = on_plane[moving]
-        result[held, 0], result[held, 1] = unit_vectors(np.cross(unit, up[held])), 0
     if chains is None or (lines[moving] < 0).all():
         return result
     sliding = lines[moving] >= 0

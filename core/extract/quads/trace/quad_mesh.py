@@ -56,6 +56,13 @@ class QuadMesh:
         return following
 
     @property
+    def previous_corners(self) -> np.ndarray:
+        """(c,) previous corner of the face."""
+        before = np.empty_like(self.next_corners)
+        before[self.next_corners] = np.arange(len(before))
+        return before
+
+    @property
     def half_edges(self) -> np.ndarray:
         """(c, 2) vertices from each corner to the next."""
         return np.column_stack([self.corner_vertices, self.corner_vertices[self.next_corners]])

@@ -1,88 +1,92 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes that are made their own mirror image: the half on the positive side and its reflection."""
+"""Quad meshes that are their own mirror image: made on one side of the planes and reflected."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.quads.mirror import average_with_partners, mirror_half, partners
+from synch_fields.core.defects import wrap
+from synch_fields.core.extract.quads.mirror import MirrorSide, plane_edges, without_image
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.interpolate import EdgePhases
 
-from ...meshes import grid_quads, square, square_points
+from ...meshes import square, torus
 
-X = np.array([2.0, 0.0, 0.0])  # of any length
-
-
-def sheet(columns, push=0.0):
-    """Quads of a square of side 2 about the origin, the vertices on the negative side pushed along y."""
-    points = square_points(columns, 4, 2.0, 2.0) - (1.0, 1.0, 0.0)
-    points[:, 1] += np.where(points[:, 0] < -1e-9, push, 0)
-    faces = grid_quads(columns, 4)
-    nothing = np.zeros(len(points), int)
-    return QuadMesh(points, nothing, np.zeros((len(points), 3)), faces.ravel(), np.full(len(faces), 4))
+X, Y = np.eye(3)[:2]
 
 
-@pytest.fixture(scope="module")
-def surface():
-    mesh = square(6, 6, 2.0, 2.0)
+def sheet(columns=8):
+    """A square of side 2 about the origin."""
+    mesh = square(columns, columns, 2.0, 2.0)
     return TriangleMesh(mesh.vertices - (1.0, 1.0, 0.0), mesh.triangles)
 
 
-def places(quads):
-    return {tuple(place) for place in np.round(quads.vertices, 9) + 0.0}
+def grid_phases(mesh, lines, shift=0.0):
+    """Phases whose grid lines are ``lines`` to a unit of length, moved along y, without a turn."""
+    values = np.pi * lines * (mesh.vertices[:, :2] + [0, shift])
+    i, j = mesh.edges.T
+    return EdgePhases(mesh, values, values[j] - values[i], np.zeros(len(mesh.edges), int))
 
 
-@pytest.mark.parametrize("columns", [4, 5])
-def test_the_result_is_its_own_mirror_image_with_the_positive_half_as_it_was(surface, columns):
-    """With an odd number of columns, the plane passes through faces, which are joined of halves."""
-    quads = sheet(columns, push=0.03)
-    result = mirror_half(quads, surface, X)
-    assert places(result) == {(-x, y, z) for x, y, z in places(result)} != places(quads)
-    assert {p for p in places(result) if p[0] > 0} == {p for p in places(quads) if p[0] > 0}
-    assert len(result.sizes) == len(quads.sizes) and set(result.sizes) == {4}
-    assert result.is_simple and result.euler_characteristic == 1
-    corners = surface.vertices[surface.triangles[result.triangles]]
-    assert np.allclose(np.einsum("nk,nkx->nx", result.weights, corners), result.vertices, atol=1e-9)
+@pytest.mark.parametrize("units", [[X], [Y], [X, Y]])
+@pytest.mark.parametrize("rounds", [0, 5])
+def test_a_grid_on_one_side_becomes_the_whole_grid(units, rounds):
+    mesh, units = sheet(), np.array(units)
+    side = MirrorSide.of(mesh, units)
+    assert side.mesh.areas.sum() == pytest.approx(4 / 2 ** len(units))
+    quads = side.finish(side.trace(grid_phases(mesh, 4)), (), rounds, True)
+    assert len(quads.sizes) == 64 and (quads.sizes == 4).all() and quads.euler_characteristic == 1
+    np.testing.assert_allclose(quads.edge_lengths, 0.25, atol=1e-6)
+    assert all(without_image(quads, unit) == 0 for unit in units)
+    at = np.einsum("nk,nkx->nx", quads.weights, mesh.vertices[mesh.triangles[quads.triangles]])
+    np.testing.assert_allclose(at, quads.vertices, atol=1e-9)
+    corners = quads.vertices[quads.corner_vertices.reshape(-1, 4)]
+    winding = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])[:, 2]
+    assert (np.sign(winding) == np.sign(mesh.face_normals[0, 2])).all()
 
 
-def test_faces_keep_their_winding(surface):
-    result = mirror_half(sheet(5, push=0.03), surface, X)
-    corners = result.vertices[result.corner_vertices.reshape(-1, 4)]
-    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    before = sheet(5).vertices[sheet(5).corner_vertices.reshape(-1, 4)]
-    winding = np.cross(before[:, 2] - before[:, 0], before[:, 3] - before[:, 1])[0, 2]
-    assert (normals[:, 2] * winding > 0).all()
+def test_planes_that_cross_triangles_divide_nothing():
+    assert MirrorSide.of(sheet(7), np.array([X])) is None
+    assert len(plane_edges(sheet(7), np.array([X]))) == 0
+    assert MirrorSide.of(sheet(), np.empty((0, 3))) is None
+    edges = plane_edges(sheet(), np.array([X]))
+    assert len(edges) == 8 and (sheet().vertices[sheet().edges[edges], 0] == 0).all()
 
 
-def test_what_the_plane_does_not_halve_stays_as_it_is(surface):
-    """All on the negative side; and a piece there that has no image, which would be lost."""
-    quads = sheet(4)
-    away = replace(quads, vertices=quads.vertices - (3.0, 0.0, 0.0))
-    assert mirror_half(away, surface, X) is away
-    there = len(quads.vertices)
-    beside = replace(
-        quads,
-        vertices=np.concatenate([quads.vertices, quads.vertices - (5.0, 0.0, 0.0)]),
-        corner_vertices=np.concatenate([quads.corner_vertices, quads.corner_vertices + there]),
-        sizes=np.concatenate([quads.sizes, quads.sizes]),
-    )
-    assert mirror_half(beside, surface, X) is beside
+def test_an_edge_across_a_strip_between_two_lines_on_the_plane_is_halved():
+    """A torus with two quads around its tube, one on each side of its plane, would have pairs with the same corners."""
+    mesh, plane = torus(1.0, 0.4, 36, 12), np.array([0, 0, 1.0])
+    side = MirrorSide.of(mesh, plane[None])
+    x, y, z = mesh.vertices.T
+    around = np.arctan2(np.abs(z), np.hypot(x, y) - 1)  # from 0 to pi on each side
+    along = 3 * np.arctan2(y, x)
+    i, j = mesh.edges.T
+    changes = np.column_stack([around[j] - around[i], wrap(along[j] - along[i])])
+    phases = EdgePhases(mesh, np.column_stack([around, along]), changes, np.zeros(len(mesh.edges), int))
+    quads = side.trace(phases)
+    assert set(quads.sizes) == {6} and len(quads.sizes) == 6
+    whole = side.finish(quads, (), 0, True)
+    assert whole.is_simple and (whole.sizes == 4).all() and len(whole.sizes) == 24
+    assert without_image(whole, plane) == 0 and whole.euler_characteristic == 0
 
 
-def test_partners_are_each_others_images_or_none():
-    quads = sheet(4, push=0.03)
-    partner = partners(quads, X)
-    assert (partner[partner] == np.arange(len(partner))).all()
-    assert np.allclose(quads.vertices[partner, 0], -quads.vertices[:, 0])
-    assert partners(replace(quads, vertices=quads.vertices + (0.2, 0.0, 0.0)), X) is None
+def test_a_quad_alone_at_a_vertex_on_the_plane_is_joined_with_its_reflection():
+    mesh = sheet()
+    side = MirrorSide.of(mesh, np.array([X]))
+    places = np.array([[0, 1, 0], [0, 0, 0], [0, -1, 0], [1, 0, 0.0]])
+    _, triangles = side.mesh.finder.nearest(places)
+    quads = QuadMesh(places, triangles, np.zeros((4, 3)), np.arange(4), np.array([4]))
+    corners = side.mesh.vertices[side.mesh.triangles[triangles]]
+    weights = (np.linalg.norm(corners - places[:, None], axis=2) < 1e-9).astype(float)
+    whole = side.finish(replace(quads, weights=weights), (), 0, True)
+    assert len(whole.sizes) == 1
+    assert {tuple(place) for place in whole.vertices} == {(0, 1, 0), (-1, 0, 0), (0, -1, 0), (1, 0, 0)}
 
 
-def test_averages_are_their_own_mirror_image():
-    quads = sheet(4, push=0.03)
-    partner = partners(quads, X)
-    moved = average_with_partners(quads.vertices, partner, X)
-    assert np.allclose(moved[partner], moved * (-1, 1, 1))
-    assert np.abs(moved - quads.vertices).max() == pytest.approx(0.015)
+def test_vertices_without_an_image_are_counted():
+    places = np.array([[-1, 0, 0], [1, 0, 0], [1, 1, 0], [-1, 1.1, 0]])
+    quads = QuadMesh(places, None, None, np.arange(4), np.array([4]))
+    assert (without_image(quads, X), without_image(quads, Y)) == (2, 2)

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirrored quad meshes are exactly mirrored, whatever the number of faces."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.refinement.spacing import is_fine
+from synch_fields.core.settings.surface import SurfaceSettings
+
+from ..meshes import cube, torus
+from .test_surface_requests import asked, source_of
+
+
+def ball(cuts=8):
+    """A sphere of quads in four triangles each, symmetric in all axes."""
+    given = cube(2 * cuts)
+    places = given.vertices - given.vertices.mean(axis=0)
+    places = np.tan(places / np.abs(places).max() * np.pi / 4)
+    faces = given.triangles.reshape(-1, 2, 3)
+    corners = np.array([_around(*pair) for pair in faces])
+    middles = places[corners].mean(axis=1)
+    numbers = len(places) + np.arange(len(corners))
+    triangles = np.concatenate([np.column_stack([corners[:, k - 1], corners[:, k], numbers]) for k in range(4)])
+    places = np.concatenate([places, middles])
+    return TriangleMesh(places / np.linalg.norm(places, axis=1, keepdims=True), triangles)
+
+
+def _around(first, second):
+    """The corners of two triangles that are a quad, in order."""
+    (alone,) = set(second.tolist()) - set(first.tolist())
+    place = next(k for k in range(3) if first[k] not in second)
+    return [first[place], first[(place + 1) % 3], alone, first[(place + 2) % 3]]
+
+
+def tailed():
+    """A ball with a bent tail, thinner than a quad, along the plane across X."""
+    mesh = ball()
+    places = mesh.vertices.copy()
+    length = np.clip(-0.2 - places[:, 2], 0, None)
+    width = np.maximum(0.08, 1 - 1.2 * length)
+    places[:, 0] *= width
+    places[:, 1] = places[:, 1] * width + 1.2 * length**2
+    places[:, 2] -= 2 * length
+    return TriangleMesh(places, mesh.triangles)
+
+
+@pytest.mark.parametrize("faces", [100, 200, 300, 400])
+@pytest.mark.parametrize(("shape", "axes"), [("ball", "XYZ"), ("ball", "Y"), ("tailed", "X")])
+def test_a_mirrored_quad_mesh_is_its_own_image_at_every_count(shape, axes, faces):
+    mesh = {"ball": ball, "tailed": tailed}[shape]()
+    quads = asked("quad_mesh", source_of(mesh), faces=faces, mirror=axes).solve().quads
+    assert (quads.sizes == 4).all() and quads.is_simple
+    assert (quads.euler_characteristic, (quads.edges[1] == 2).all()) == (2, True)
+    assert abs(len(quads.sizes) / faces - 1) < 0.15
+    for axis in axes:
+        image = quads.vertices * np.where(np.array(list("XYZ")) == axis, -1, 1)
+        apart, partner = cKDTree(quads.vertices).query(image)
+        assert apart.max() < 1e-9
+        theirs = np.sort(partner[quads.corner_vertices].reshape(-1, 4), axis=1)
+        own = np.sort(quads.corner_vertices.reshape(-1, 4), axis=1)
+        assert {*map(tuple, theirs)} == {*map(tuple, own)}
+
+
+def test_a_mirror_plane_across_faces_asks_for_a_surface_of_its_own():
+    given = source_of(torus(1.0, 0.4, 63, 30)).given
+    settings = SurfaceSettings(faces=200).for_command("quad_mesh")
+    assert is_fine("quad_mesh", given, settings)
+    assert is_fine("quad_mesh", given, SurfaceSettings(faces=200, mirror="Z").for_command("quad_mesh"))
+    assert not is_fine("quad_mesh", given, SurfaceSettings(faces=200, mirror="X").for_command("quad_mesh"))
