@@ -117,8 +117,7 @@ def test_marked_edges_are_features():
     assert corners_found(made) == 8
 
 
-@pytest.mark.parametrize("axes", ["X", "XY", "XYZ"])
-@pytest.mark.parametrize("build", [block, bevelled], ids=["block", "bevelled"])
+@pytest.mark.parametrize(("build", "axes"), [(block, "X"), (block, "XYZ"), (bevelled, "XY")])
 def test_a_mirrored_mesh_is_its_own_image_face_by_face(build, axes):
     made, report = made_from(object_of(build), spacing=0.45, mirror=axes)
     for axis in axes:

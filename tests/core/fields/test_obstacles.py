@@ -29,7 +29,7 @@ def pillar(x, y, z):
     return np.hypot(x, y) < 0.2
 
 
-@pytest.mark.parametrize("circulation", [1.0, 2.0, -1.0])
+@pytest.mark.parametrize("circulation", [2.0, -1.0])
 def test_around_a_pillar_whole_quanta_need_no_filament(circulation):
     """No vorticity but in the pillar: without it the same flow has filaments there."""
     grid = with_obstacle(pillar)
