@@ -25,7 +25,7 @@ def ends_of(mesh, axis, low, high):
 
 def bar(outer, spacing=0.14):
     """A growth around a bent bar whose outer side is so much longer, and groups of its ends."""
-    mesh, around = bent_bar((10, 40, 4), 1, outer, np.pi / 2, 0.4)
+    mesh, around = bent_bar((8, 28, 3), 1, outer, np.pi / 2, 0.4)
     groups = [LayerGroup.of_vertices(mesh, np.isclose(mesh.vertices[:, axis], 0), 0.0) for axis in (0, 1)]
     return SolidTargetOneForm.of(mesh, around, spacing), groups
 
