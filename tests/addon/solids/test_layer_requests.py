@@ -23,9 +23,7 @@ COARSE = {"spacing": 0.3, "size": 0.14}
 GUIDANCE = (
     "axis:Z",
     "harmonic:Bottom:Top",
-    "distance:Bottom",
     "distance:Bed",
-    "curve:Line",
     "around:Line",
     "attribute:up",
 )

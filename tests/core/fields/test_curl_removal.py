@@ -121,7 +121,7 @@ def test_no_other_changes_with_that_holonomy_are_nearer(build, symmetry):
     np.testing.assert_allclose(calmed.changes.ravel(), kernel @ coordinates, atol=1e-9)
 
 
-@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize("symmetry", [2, 4])
 @pytest.mark.parametrize("build", SURFACES)
 def test_turns_for_candidates_are_about_those_that_calm(build, symmetry):
     mesh = build()

@@ -82,8 +82,7 @@ def test_a_number_that_cannot_be_met_is_said():
     assert any("faces, not 13" in line for line in result.warnings)
 
 
-@pytest.mark.parametrize("reach", [1e6])
-def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch):
+def test_a_spike_makes_no_more_faces_than_the_search_can_use(monkeypatch):
     """The area of a needle says little of how many quads lie along it."""
     counts, traced = [], quad_meshes._draw
 
@@ -94,16 +93,15 @@ def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch)
 
     monkeypatch.setattr(quad_meshes, "_draw", count_faces)
     ball = icosphere(2)
-    ball.vertices[0] *= reach
+    ball.vertices[0] *= 1e6
     asked(TriangleMesh(ball.vertices, ball.triangles), faces=8, branching=1.0).solve()
     assert max(counts) <= 400
 
 
-@pytest.mark.parametrize("faces", [1])
-def test_too_few_faces_give_the_coarsest_mesh_there_is_and_a_warning(faces):
-    result = asked(icosphere(3), faces=faces).solve()
+def test_too_few_faces_give_the_coarsest_mesh_there_is_and_a_warning():
+    result = asked(icosphere(3), faces=1).solve()
     assert 2 <= len(result.quads.sizes) <= 60 and result.quads.euler_characteristic == 2
-    assert any(f"faces, not {faces}" in line for line in result.warnings)
+    assert any("faces, not 1" in line for line in result.warnings)
 
 
 def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
