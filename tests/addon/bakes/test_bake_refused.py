@@ -39,7 +39,7 @@ def furnished():
     twin = bpy.data.objects.new("Twin", obj.data)
     bpy.context.scene.collection.objects.link(twin)
     make_active(obj)
-    api.stripes(obj, spacing=0.6, method="spectral")
+    api.stripes(obj, spacing=0.6)
     pattern_material(obj, "stripes", assign_faces=True)
     tree = obj.material_slots[-1].material.node_tree
     texture = tree.nodes.new("ShaderNodeTexImage")
