@@ -4,8 +4,8 @@
 processes that run at once."""
 
 from pathlib import Path
-from zlib import crc32
 
+TESTS = Path(__file__).parent
 # Rooms whose tests every run makes: what is asked of Blender there is what changes from one version to the next.
 EACH = {"blender", "looks", "nodes", "operators", "panels"}
 
@@ -17,14 +17,20 @@ def pytest_addoption(parser):
 
 def pytest_collection_modifyitems(config, items):
     """A file is in one share and in one part: what its tests have in common is made once."""
-    share, shares = map(int, config.getoption("share").split("/"))
-    part, parts = map(int, config.getoption("part").split("/"))
+    # Long files take long. Those on the disk are dealt out, since not every Blender has tests in all of them.
+    paths = sorted(TESTS.rglob("test_*.py"), key=lambda path: (-path.stat().st_size, path))
+    shared = deal([path for path in paths if not is_each(path)], config.getoption("share"))
+    ours = deal([path for path in paths if path in shared or is_each(path)], config.getoption("part"))
+    config.hook.pytest_deselected(items=[item for item in items if item.path not in ours])
+    items[:] = [item for item in items if item.path in ours]
 
-    def is_ours(item):
-        path = Path(item.path).relative_to(Path(__file__).parent)
-        number = crc32(path.as_posix().encode())
-        is_each = path.parts[0] == "addon" and path.parts[1] in EACH
-        return (is_each or number % shares == share - 1) and number // shares % parts == part - 1
 
-    config.hook.pytest_deselected(items=[item for item in items if not is_ours(item)])
-    items[:] = filter(is_ours, items)
+def is_each(path):
+    room = path.relative_to(TESTS).parts
+    return room[0] == "addon" and room[1] in EACH
+
+
+def deal(paths, part):
+    """Every n-th path from the k-th on, for a part "k/n"."""
+    number, count = map(int, part.split("/"))
+    return set(paths[number - 1 :: count])

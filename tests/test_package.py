@@ -4,7 +4,6 @@
 
 import hashlib
 import re
-import shutil
 import subprocess
 import sys
 import sysconfig
@@ -208,11 +207,6 @@ def test_the_package_is_the_same_to_the_last_byte_again(packages, tmp_path):
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
 
 
-def test_an_index_of_packages_accepts_both(packages):
-    pytest.importorskip("twine")
-    run(sys.executable, "-m", "twine", "check", "--strict", *packages.glob("*.*"))
-
-
 def test_conda_accepts_the_recipes(packages):
     """That of the checkout, and that of a release with its checksum; both say what pyproject.toml says."""
     recipes = pytest.importorskip("rattler_build")
@@ -249,12 +243,6 @@ def test_with_blender_the_command_line_solves(python, tmp_path):
     command = "-m", "synch_fields", "stripes", "saddle.obj", "--spacing", "0.2", "--output", "out.blend", "--quiet"
     assert "stripes on" in run(*python, *command, cwd=tmp_path)
     assert (tmp_path / "out.blend").stat().st_size > 10_000
-
-
-def test_an_example_runs_from_the_wheel_without_files(python, tmp_path):
-    """The file is one that a user has copied from the repository; `make wheel-test` runs them all."""
-    shutil.copy(ROOT / "examples" / "stripes.py", tmp_path)
-    assert len(re.findall(r"\d+", run(*python, "stripes.py", cwd=tmp_path))) > 2
 
 
 def test_core_of_the_wheel_solves_without_blender(python, tmp_path):

@@ -28,6 +28,9 @@ def pytest_unconfigure(config):
     if bpy is None or _STATUS not in config.stash:
         return
     shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    if "coverage" in sys.modules and (measured := sys.modules["coverage"].Coverage.current()):
+        measured.stop()
+        measured.save()
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(config.stash[_STATUS])

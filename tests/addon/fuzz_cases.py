@@ -30,7 +30,7 @@ hypothesis = pytest.importorskip("hypothesis")
 st = hypothesis.strategies
 
 # How many cases each test tries, where what fails is kept, and the file that gets the counts of what came out.
-CASES = int(os.environ.get("SYNCH_FUZZ_CASES", "10"))
+CASES = int(os.environ.get("SYNCH_FUZZ_CASES", "6"))
 KEPT = os.environ.get("SYNCH_FUZZ_KEPT")
 COUNTED = os.environ.get("SYNCH_FUZZ_COUNTED")
 COUNTS: Counter = Counter()

@@ -62,8 +62,10 @@ def test_subject_stands_where_its_parents_and_modifiers_put_it():
     assert np.ptp(points[:, 2]) == pytest.approx(0.25, abs=1e-6)
 
 
-@pytest.mark.parametrize("size", [(1, 1, 1), (0.01, 0.01, 4), (30, 20, 0), (1e-3, 2e-3, 1e-3)])
-@pytest.mark.parametrize("view", [(25, 18), (-130, 0), (0, 90), (10, -40)])
+@pytest.mark.parametrize(
+    ("size", "view"),
+    [((1, 1, 1), (25, 18)), ((0.01, 0.01, 4), (-130, 0)), ((30, 20, 0), (0, 90)), ((1e-3, 2e-3, 1e-3), (10, -40))],
+)
 def test_camera_is_as_close_as_a_whole_view_of_the_object_allows(size, view):
     scene = bpy.context.scene
     corners = np.array(np.meshgrid(*((-s / 2, s / 2) for s in size))).reshape(3, -1).T + 5.0

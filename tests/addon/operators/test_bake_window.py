@@ -40,7 +40,7 @@ def striped():
     obj = sphere()
     for layer in list(obj.data.uv_layers):
         obj.data.uv_layers.remove(layer)
-    api.stripes(obj, spacing=0.5)
+    api.stripes(obj, spacing=0.5, method="spectral")
     return obj
 
 
@@ -77,7 +77,7 @@ def test_files_are_those_of_a_script(striped, tmp_path):
         assert images[0].pixels[:] == images[1].pixels[:]
 
 
-@pytest.mark.parametrize("pieces", [0, 1, 2, 3])
+@pytest.mark.parametrize("pieces", [0, 3])
 def test_escape_between_two_maps_leaves_everything_as_it_was(striped, pieces, tmp_path):
     before = everything()
     loop, operator = begun(Bake(folder=str(tmp_path), material=True))

@@ -14,8 +14,10 @@ from ..scenes import attribute, empties, grid, hexagon_sphere, quad_sphere, save
 TOLERANCE = 1e-4
 
 
-@pytest.mark.parametrize("symmetry", ["VECTOR", "LINE"])
-@pytest.mark.parametrize("build, edges", [(sphere, 480), (quad_sphere, 648), (torus, 864), (grid, 408)])
+@pytest.mark.parametrize(
+    ("build", "edges", "symmetry"),
+    [(sphere, 480, "LINE"), (quad_sphere, 648, "VECTOR"), (torus, 864, "LINE"), (grid, 408, "VECTOR")],
+)
 def test_saved_pattern_is_continuous_across_every_edge(build, edges, symmetry, tmp_path):
     obj = build()
     bpy.ops.synch.stripes(symmetry=symmetry, spacing=0.25)

@@ -23,12 +23,11 @@ def mirrored(obj, axis):
     return distances.argmin(axis=1)
 
 
-@pytest.mark.parametrize("axes", ["X", "Y", "XY"])
-@pytest.mark.parametrize("symmetry", ["line", "vector"])
-@pytest.mark.parametrize("make", [lambda: bent(grid(16)), torus], ids=["grid", "torus"])
+@pytest.mark.parametrize(
+    ("make", "symmetry", "axes"),
+    [(lambda: bent(grid(16)), "line", "XY"), (lambda: bent(grid(16)), "vector", "Y"), (torus, "line", "X")],
+)
 def test_patterns_are_their_own_mirror_image(make, symmetry, axes):
-    if symmetry == "vector" and axes == "XY":
-        pytest.skip("no vector field is symmetric in two mirrors that meet")
     obj = make()
     report = api.stripes(obj, symmetry=symmetry, mirror=axes, spacing=0.25)
     pattern = attribute(obj, "synch_pattern")

@@ -8,7 +8,7 @@ import pytest
 
 from ..quad_meshes import corner_vertices, made_from
 from ..run_commands import add_weights
-from ..scenes import attribute, grid, hexagon_sphere, mark_edges, places, quad_sphere, sphere, tube
+from ..scenes import attribute, grid, hexagon_sphere, mark_edges, places, quad_sphere, sphere
 
 
 def lattice(obj, **settings):
@@ -67,8 +67,7 @@ def test_materials_of_the_object_are_taken_too():
     assert [s.material.name for s in made.material_slots] == ["Of the object"]
 
 
-@pytest.mark.parametrize("smooth", [True, False])
-@pytest.mark.parametrize("build", [sphere, hexagon_sphere, tube])
+@pytest.mark.parametrize(("build", "smooth"), [(sphere, True), (hexagon_sphere, False)])
 def test_a_smooth_surface_stays_smooth_and_a_flat_one_flat(build, smooth):
     obj = build()
     (obj.data.shade_smooth if smooth else obj.data.shade_flat)()
@@ -87,8 +86,7 @@ def test_each_face_is_shaded_as_the_surface_under_it():
 # Vertex groups and attributes
 
 
-@pytest.mark.parametrize("smoothing", [0, 3])
-@pytest.mark.parametrize("build", [grid, quad_sphere])
+@pytest.mark.parametrize(("build", "smoothing"), [(grid, 0), (quad_sphere, 3)])
 def test_weights_are_interpolated(build, smoothing):
     obj = build()
     x = places(obj)[:, 0]
@@ -104,8 +102,7 @@ def test_weights_are_interpolated(build, smoothing):
     np.testing.assert_allclose(weights, (places(made)[:, 0] + 1) / 2, atol=1e-5)
 
 
-@pytest.mark.parametrize("smoothing", [0, 3])
-@pytest.mark.parametrize("build", [grid, quad_sphere, hexagon_sphere])
+@pytest.mark.parametrize(("build", "smoothing"), [(grid, 0), (quad_sphere, 3), (hexagon_sphere, 3)])
 def test_values_on_vertices_are_interpolated(build, smoothing):
     """A value that is linear on each triangle, such as a coordinate, is exact."""
     obj = build()

@@ -73,8 +73,7 @@ def test_the_angle_turns_the_lines(way):
 # Spacing
 
 
-@pytest.mark.parametrize("boundary", ["free", "phase"])
-@pytest.mark.parametrize("aspect", [2.0, 0.5])
+@pytest.mark.parametrize(("aspect", "boundary"), [(2.0, "free"), (0.5, "phase")])
 def test_aspect_is_the_spacing_along_the_second_axis_over_that_along_the_first(aspect, boundary):
     obj = grid(20)
     if boundary == "phase":
@@ -160,8 +159,7 @@ def test_automatic_spacing_is_forty_quads_across_or_what_four_edges_carry(subdiv
 # Mirror
 
 
-@pytest.mark.parametrize("axes", ["X", "Y", "XY"])
-@pytest.mark.parametrize("build", [lambda: bent(poked(grid(12))), lambda: poked(torus())], ids=["bent", "torus"])
+@pytest.mark.parametrize(("build", "axes"), [(lambda: bent(poked(grid(12))), "Y"), (lambda: poked(torus()), "XY")])
 def test_quads_are_their_own_mirror_image(build, axes):
     obj = build()
     report = api.quads(obj, spacing=0.4, mirror=axes)

@@ -14,7 +14,7 @@ from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 
-from ..constrained_sheet import EVERY_PLACE, line_upright, sheet
+from ..constrained_sheet import line_upright, sheet
 from ..quad_meshes import (
     corner_vertices,
     cube,
@@ -131,8 +131,10 @@ def test_a_second_run_makes_a_second_object_and_the_same_mesh():
 # On the surface
 
 
-@pytest.mark.parametrize("scale, smoothing", [((1, 1, 1), 0), ((2, -0.6, 1.3), 3)])
-@pytest.mark.parametrize("build", MESHES)
+@pytest.mark.parametrize(
+    ("build", "scale", "smoothing"),
+    [*((build, (2, -0.6, 1.3), 3) for build in MESHES), (torus, (1, 1, 1), 0), (tube, (1, 1, 1), 0)],
+)
 def test_vertices_lie_on_the_surface(build, scale, smoothing):
     obj = build()
     obj.scale, obj.rotation_euler, obj.location = scale, (0.3, 0.5, 0.7), (1, 2, 3)
@@ -155,8 +157,10 @@ def test_the_mesh_is_sound_and_shaped_like_the_given_one(build):
     assert areas.min() > 0
 
 
-@pytest.mark.parametrize("scale, smoothing", [((1, 1, 1), 0), ((-1, 1, 1), 3)])
-@pytest.mark.parametrize("build", [sphere, torus, tube, mixed_sphere])
+@pytest.mark.parametrize(
+    ("build", "scale", "smoothing"),
+    [(sphere, (1, 1, 1), 0), (torus, (-1, 1, 1), 0), (tube, (1, 1, 1), 3), (mixed_sphere, (-1, 1, 1), 3)],
+)
 def test_faces_look_the_same_way_as_those_of_the_surface(build, scale, smoothing):
     obj = build()
     obj.scale = scale
@@ -189,8 +193,7 @@ def test_smoothing_does_not_wear_a_thin_plate_away():
 # What lines are for
 
 
-@pytest.mark.parametrize("smoothing", SMOOTHINGS)
-@pytest.mark.parametrize("aspect", [1.0, 2.0])
+@pytest.mark.parametrize(("aspect", "smoothing"), [(1.0, 0), (2.0, 3)])
 def test_a_flat_square_with_lines_on_its_sides_becomes_a_regular_lattice(aspect, smoothing):
     obj = grid(16)
     made, report = made_from(obj, spacing=0.5, aspect=aspect, boundary="phase", smoothing=smoothing)
@@ -208,7 +211,7 @@ def test_a_flat_square_with_lines_on_its_sides_becomes_a_regular_lattice(aspect,
     assert figures["edge_length"] == pytest.approx(0.25 if aspect == 1 else (80 * 0.25 + 76 * 0.5) / 156, rel=0.05)
 
 
-@pytest.mark.parametrize("place, smoothing", [*((place, 3) for place in EVERY_PLACE), ("seams", 0), ("curve", 20)])
+@pytest.mark.parametrize("place, smoothing", [("seams", 0), ("boundary", 3), ("group", 3), ("curve", 20)])
 def test_edges_lie_on_lines_that_are_asked_for(place, smoothing):
     obj = sheet()
     row, at, _ = line_upright(obj, place)
@@ -283,7 +286,7 @@ def test_a_mirror_makes_the_mesh_its_own_mirror_image(axis, smoothing):
 # Figures
 
 
-@pytest.mark.parametrize("build", [sphere, torus, grid, tube])
+@pytest.mark.parametrize("build", [torus, tube])
 def test_figures_are_those_of_the_object(build):
     obj = build()
     obj.scale = (2, 1, 1)
@@ -315,7 +318,7 @@ def test_figures_are_those_of_the_object(build):
     assert {name: figures[name] for name in expected} == pytest.approx(expected, rel=1e-3, abs=1e-4)
 
 
-@pytest.mark.parametrize("build", [sphere, torus, tube])
+@pytest.mark.parametrize("build", [sphere, tube])
 def test_distance_from_the_surface_is_the_largest_both_ways(build):
     obj = build()
     made, report = made_from(obj, spacing=0.6)
@@ -333,9 +336,8 @@ def test_a_free_boundary_keeps_its_corners():
     assert sum(p.area for p in made.data.polygons) == pytest.approx(4, rel=1e-5)
 
 
-@pytest.mark.parametrize("build", [lambda: sphere(5), torus], ids=["sphere", "torus"])
-def test_smoothing_makes_angles_right_and_changes_no_face(build):
-    obj = build()
+def test_smoothing_makes_angles_right_and_changes_no_face():
+    obj = torus()
     rough, plain = made_from(obj, spacing=0.3, smoothing=0)
     smooth, better = made_from(obj, spacing=0.3, smoothing=10)
     np.testing.assert_array_equal(corner_vertices(rough), corner_vertices(smooth))
@@ -350,7 +352,7 @@ def test_a_spacing_at_which_nothing_crosses_is_refused():
     assert snapshot() == before and not obj.hide_get() and not obj.hide_render
 
 
-@pytest.mark.parametrize("spacing", [0.9, 1.0, 1.5, 2.0, 2.5])
+@pytest.mark.parametrize("spacing", [0.9, 1.5, 2.5])
 def test_a_handle_is_never_lost(spacing):
     """Where quads are longer than half the way around, there is no such mesh."""
     obj = torus()

@@ -43,8 +43,9 @@ def world_gradients(obj):
     return gradients, directions / np.linalg.norm(directions, axis=1)[:, None], areas / 2
 
 
-@pytest.mark.parametrize("transform", TRANSFORMS)
-@pytest.mark.parametrize("symmetry", ["VECTOR", "LINE"])
+@pytest.mark.parametrize(
+    ("transform", "symmetry"), zip(TRANSFORMS, ("VECTOR", "LINE", "VECTOR", "LINE", "VECTOR"), strict=True)
+)
 def test_flat_stripes_have_exactly_the_spacing_in_scene_units(transform, symmetry):
     obj = grid()
     obj.scale, obj.rotation_euler = TRANSFORMS[transform]
@@ -61,7 +62,7 @@ def test_flat_stripes_have_exactly_the_spacing_in_scene_units(transform, symmetr
     assert np.abs(np.einsum("ij,ij->i", gradients, directions)).max() < 1e-3 * 2 * np.pi / spacing
 
 
-@pytest.mark.parametrize("transform", TRANSFORMS)
+@pytest.mark.parametrize("transform", ["scaled", "mirrored and stretched"])
 def test_stripes_on_a_sphere_keep_spacing_and_direction(transform):
     obj = sphere(4)
     obj.scale, obj.rotation_euler = TRANSFORMS[transform]

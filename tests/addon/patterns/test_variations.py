@@ -24,7 +24,6 @@ SOLVES = {
     "quads": lambda obj: api.quads(obj, spacing=0.7),
     "directions": lambda obj: api.directions(obj, symmetry="cross"),
 }
-MESHES = [sphere, torus, quad_sphere]
 
 
 def written_phases(obj):
@@ -60,8 +59,7 @@ def test_variations_come_back_to_the_solution(command):
     assert snapshot()["meshes"] == written
 
 
-@pytest.mark.parametrize("command", ["stripes", "quads"])
-@pytest.mark.parametrize("build", MESHES)
+@pytest.mark.parametrize(("build", "command"), [(sphere, "quads"), (torus, "stripes"), (quad_sphere, "stripes")])
 def test_a_placed_defect_is_in_a_face_at_the_vertex(build, command):
     obj = build()
     SOLVES[command](obj)

@@ -96,9 +96,9 @@ def test_an_attribute_gives_directions_where_it_is_not_zero():
 # Phases
 
 
-@pytest.mark.parametrize("symmetry", ["line", "vector"])
 @pytest.mark.parametrize(
-    ("place", "degrees"), [*((place, 50) for place in EVERY_PLACE), *product(("seams", "curve"), (0, 180))]
+    ("place", "degrees", "symmetry"),
+    [*((place, 50, "line") for place in EVERY_PLACE), ("seams", 180, "vector"), ("curve", 0, "vector")],
 )
 def test_a_stripe_lies_on_a_line_at_its_phase(place, degrees, symmetry):
     obj = sheet()

@@ -165,7 +165,7 @@ def test_levels_share_out_the_mass_and_are_galerkin_products(build):
 
 
 @pytest.mark.parametrize("build", MULTILEVEL)
-@pytest.mark.parametrize("share", [1e-4, 1e-1, 100])
+@pytest.mark.parametrize("share", [1e-4, 100])
 def test_the_cycle_is_hermitian_positive_and_near_the_inverse(build, share):
     """With Jacobi before and after, no error grows and none turns over: 0 < spectrum <= 1, but for lumped masses."""
     piece = only_piece(build())
@@ -289,7 +289,7 @@ def crosses_along_the_rims(across):
 )
 def test_iterations_hardly_grow_as_a_mesh_is_refined(build, block):
     iterations = []
-    for across in (26, 52, 104):
+    for across in (18, 36, 72):
         piece = only_piece(build(across))
         assert piece.block == block and piece.node_count > 2.8 * across**2
         metric = Metric(Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), 0.05)

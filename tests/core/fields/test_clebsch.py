@@ -24,7 +24,7 @@ from synch_fields.core.solve import Options
 
 from ..flows import line_integrals, linking_number, rankine_velocity, ring_curve
 
-BOX = Grid((24, 24, 16), spacing=1 / 23, origin=(-0.5, -0.5, -0.326))
+BOX = Grid((16, 16, 11), spacing=1 / 15, origin=(-0.5, -0.5, -0.333))
 
 
 def found_ring(curve, grid=BOX, quantum=2.0):
@@ -34,7 +34,7 @@ def found_ring(curve, grid=BOX, quantum=2.0):
 @pytest.mark.parametrize("normal", [0, 1, 2])
 def test_a_ring_of_one_quantum_is_one_filament(normal):
     centre = np.array([0.01, -0.02, 0.013])
-    grid = BOX if normal == 2 else Grid((20, 20, 20), spacing=1 / 19, origin=-0.5)
+    grid = BOX if normal == 2 else Grid((14, 14, 14), spacing=1 / 13, origin=-0.5)
     found = found_ring(ring_curve(0.27, centre, normal), grid)
     assert set(np.unique(found.face_numbers)) == {-1, 0, 1}
     (line,) = filaments(found)
@@ -146,7 +146,7 @@ def test_smoothing_does_not_shrink_small_rings():
 
 
 def test_linked_rings_stay_linked():
-    grid = Grid((26, 22, 22), spacing=1 / 25, origin=(-0.5, -0.42, -0.42))
+    grid = Grid((18, 15, 15), spacing=1 / 17, origin=(-0.5, -0.41, -0.41))
     curves = ring_curve(0.22, (-0.11, 0, 0), 2), ring_curve(0.22, (0.11, 0, 0), 1)
     integrals = filament_integrals(grid, [(curve, 1.0) for curve in curves], 0.01)
     lines = filaments(clebsch_map(grid, integrals, 1.0))
@@ -181,12 +181,12 @@ def test_filaments_cancel_around_every_cell_for_any_phases():
 
 
 def test_more_quanta_are_as_many_filaments():
-    grid = Grid((30, 30, 18), spacing=1 / 29, origin=(-0.5, -0.5, -0.3))
+    grid = Grid((20, 20, 12), spacing=1 / 19, origin=(-0.5, -0.5, -0.3))
     integrals = edge_integrals(grid, filament_velocity(grid.places, [(ring_curve(0.25), 4.0)], 0.08))
     for count in (1, 2, 4):
         quantum = quantum_for(grid, integrals, count)
         found = clebsch_map(grid, integrals, quantum)
-        through = found.face_numbers[(grid.face_planes == [1, 2]).all(axis=1) & (grid.faces[:, 0] // (30 * 18) == 14)]
+        through = found.face_numbers[(grid.face_planes == [1, 2]).all(axis=1) & (grid.faces[:, 0] // (20 * 12) == 9)]
         assert np.abs(through[through > 0]).sum() == pytest.approx(count, abs=1)
         assert found.solution.lower_bound <= found.energy
 

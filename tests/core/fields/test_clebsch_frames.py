@@ -20,7 +20,7 @@ from ..flows import ring_curve
 
 GRID = Grid((24, 24, 18), spacing=1 / 23, origin=(-0.5, -0.5, -0.37))
 OPTIONS = Options(target_gap=0.03)
-FRAMES = [(-0.1 + 0.05 * k, 0.25 + 0.01 * k) for k in range(3)]
+FRAMES = [(-0.1 + 0.05 * k, 0.25 + 0.01 * k) for k in range(2)]
 
 
 def integrals(height, radius):

@@ -121,7 +121,7 @@ def test_no_other_changes_with_that_holonomy_are_nearer(build, symmetry):
     np.testing.assert_allclose(calmed.changes.ravel(), kernel @ coordinates, atol=1e-9)
 
 
-@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize("symmetry", [2, 4])
 @pytest.mark.parametrize("build", SURFACES)
 def test_turns_for_candidates_are_about_those_that_calm(build, symmetry):
     mesh = build()
@@ -252,12 +252,12 @@ def test_which_direction_stands_for_a_cross_does_not_matter():
 @pytest.mark.parametrize("symmetry", [2, 4])
 def test_no_dislocation_is_left_without_branching(symmetry):
     """Where directions alone force dozens."""
-    mesh = icosphere(4)
+    mesh = icosphere(3)
     field = direction_field(mesh, symmetry)
     solve_pattern = stripe_pattern if symmetry == 2 else quad_pattern
-    counts = [len(solve_pattern(mesh, field, 0.12, branching=share).dislocations) for share in (1.0, 0.5, 0.0)]
+    counts = [len(solve_pattern(mesh, field, 0.2, branching=share).dislocations) for share in (1.0, 0.5, 0.0)]
     assert counts[0] > counts[1] >= counts[2] == 0
-    assert TargetOneForm.of(mesh, field, 0.12).forced_dislocations > 10
+    assert TargetOneForm.of(mesh, field, 0.2).forced_dislocations > 10
 
 
 @pytest.mark.parametrize("symmetry", [1, 2, 4])

@@ -29,7 +29,7 @@ def pillar(x, y, z):
     return np.hypot(x, y) < 0.2
 
 
-@pytest.mark.parametrize("circulation", [1.0, 2.0, -1.0])
+@pytest.mark.parametrize("circulation", [2.0, -1.0])
 def test_around_a_pillar_whole_quanta_need_no_filament(circulation):
     """No vorticity but in the pillar: without it the same flow has filaments there."""
     grid = with_obstacle(pillar)
@@ -52,9 +52,8 @@ def test_half_a_quantum_around_a_pillar_cannot_be_kept():
     assert found.solution.lower_bound > 0.1 and found.energy >= found.solution.lower_bound
 
 
-@pytest.mark.parametrize("layers", [1, 3])
-def test_below_a_lid_the_map_is_that_of_the_smaller_grid(layers):
-    lid = PLAIN.shape[2] - layers
+def test_below_a_lid_the_map_is_that_of_the_smaller_grid():
+    lid = PLAIN.shape[2] - 3
     grid = with_obstacle(lambda x, y, z: z > (lid - 0.5) * SPACING)
     smaller = Grid((*SHAPE[:2], lid), SPACING, ORIGIN)
     found, expected = (clebsch_map(g, line_integrals(g, LINE), 1.0) for g in (grid, smaller))

@@ -58,7 +58,7 @@ def test_sum_of_indices_is_the_euler_characteristic(build, characteristic, symme
     assert sum(round(symmetry * d.index) for d in field.disclinations) == symmetry * characteristic
 
 
-@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize("symmetry", [1, 4])
 def test_the_pattern_is_the_same_on_both_sides(surface, symmetry):
     found, seam = surface
     mesh = found.mesh

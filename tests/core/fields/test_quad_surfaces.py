@@ -57,6 +57,7 @@ BOUNDED = {
     "disk": lambda: disk(12, 48),
 }
 MESHES = CLOSED | BOUNDED
+CELLS = 7
 
 
 @cache
@@ -69,10 +70,9 @@ def solved(name, cells):
     return field, pattern, quad_mesh(pattern.edge_phases)
 
 
-@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
-def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
-    field, _, quads = solved(name, cells)
+def test_a_solved_pattern_gives_the_surface_that_it_is_on(name):
+    field, _, quads = solved(name, CELLS)
     mesh = field.mesh
     assert is_surface(quads)
     assert euler(quads) == mesh.euler_characteristic
@@ -83,24 +83,22 @@ def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
     normals = np.zeros((len(quads.sizes), 3))
     np.add.at(normals, quads.corner_faces, mesh.face_normals[quads.triangles[quads.corner_vertices]])
     assert (np.einsum("ij,ij->i", vectors, normals) > 0).mean() > 0.99
-    assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(mesh.areas.sum(), rel=1 / cells)
+    assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(mesh.areas.sum(), rel=1 / CELLS)
 
 
-@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
-def test_nearly_all_faces_are_quads(name, cells):
-    _, pattern, quads = solved(name, cells)
+def test_nearly_all_faces_are_quads(name):
+    _, pattern, quads = solved(name, CELLS)
     share = (quads.sizes == 4).mean()
-    assert share >= (0.9 if name == "double-torus" or (name, cells) == ("disk", 4) else 0.95)
+    assert share >= (0.9 if name == "double-torus" else 0.95)
     if name not in ("double-torus", "bumpy-torus", "torus", "disk") and pattern.dislocations == []:
         assert share == 1
 
 
-@pytest.mark.parametrize("cells", [4, 7])
 @pytest.mark.parametrize("name", MESHES)
-def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name, cells):
+def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name):
     """4 - valence inside, 3 - valence on the rim, 4 - corners of faces: four times the Euler characteristic."""
-    field, _, quads = solved(name, cells)
+    field, _, quads = solved(name, CELLS)
     rim = on_rim(quads)
     lacking = np.where(rim, 3, 4) - valences(quads)
     assert lacking.sum() + (4 - quads.sizes).sum() == 4 * field.mesh.euler_characteristic
@@ -111,7 +109,7 @@ def test_vertices_and_faces_that_are_irregular_sum_up_to_the_characteristic(name
     assert figures["quad_share"] == pytest.approx((quads.sizes == 4).mean())
 
 
-@pytest.mark.parametrize("cells", [4, 7, 9])
+@pytest.mark.parametrize("cells", [4, CELLS])
 @pytest.mark.parametrize("name", ["sphere", "cube", "rounded-cube"])
 def test_every_disclination_is_a_vertex_of_three_edges(name, cells):
     field, pattern, quads = solved(name, cells)
@@ -139,10 +137,9 @@ def test_disclinations_of_both_signs_are_vertices_of_three_and_five_edges(cells)
     assert sorted(of_vertices) == sorted(4 * np.array(indices))
 
 
-@pytest.mark.parametrize("cells", [5.5, 7])
 @pytest.mark.parametrize("name", BOUNDED)
-def test_no_slivers_lie_along_a_boundary_that_is_a_line(name, cells):
-    field, _, quads = solved(name, cells)
+def test_no_slivers_lie_along_a_boundary_that_is_a_line(name):
+    field, _, quads = solved(name, CELLS)
     areas = np.linalg.norm(face_vectors(quads), axis=1)
     rim = on_rim(quads)
     touching = np.bincount(quads.corner_faces, rim[quads.corner_vertices]) > 0
@@ -231,7 +228,7 @@ def test_random_phases_on_bounded_surfaces_keep_to_the_boundary(name, smooth):
 @pytest.mark.parametrize("name", MESHES)
 def test_random_phases_that_hardly_leave_a_line_do_no_harm(name):
     """Lines so far apart that hardly any closes: an empty mesh or an error of our own, no crash."""
-    for seed in range(4):
+    for seed in range(2):
         for cells in (0.5, 2):
             _, edge_phases = at_random(name, True, seed, cells)
             try:

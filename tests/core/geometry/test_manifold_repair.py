@@ -150,8 +150,9 @@ def triangle_sphere():
     return polygon_mesh(icosphere(2).vertices, icosphere(2).triangles.tolist())
 
 
-@pytest.mark.parametrize("symmetry", [2, 4])
-@pytest.mark.parametrize("build", [quad_torus, mixed_torus, honeycomb_sphere, triangle_sphere])
+@pytest.mark.parametrize(
+    ("build", "symmetry"), [(quad_torus, 2), (mixed_torus, 4), (honeycomb_sphere, 4), (triangle_sphere, 2)]
+)
 def test_turned_and_doubled_faces_show_what_clean_ones_do(build, symmetry):
     mesh, polygons = build()
     count = len(polygons.starts)

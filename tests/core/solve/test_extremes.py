@@ -54,7 +54,7 @@ def test_nothing_left_to_ask_is_a_perfect_fit(method, constraints):
     assert solution.status is (Status.CERTIFIED if method == "sdp" else Status.UNCERTIFIED)
 
 
-@pytest.mark.parametrize("scale", [1e-30, 1e-14, 1e20, 1e37])
+@pytest.mark.parametrize("scale", [1e-30, 1e37])
 @pytest.mark.parametrize("kind", ["circle", "flips", "signs", "rotations"])
 def test_the_unit_of_weights_and_masses_is_free(kind, scale):
     connection = random_connection(kind, 12, extra=12, seed=3)

@@ -243,7 +243,7 @@ def fuzzed(kind, random):
 @pytest.mark.parametrize("kind", ["circle", "flips"])
 def test_no_bound_lies_above_the_energy_of_a_perfect_fit(kind, method):
     random = np.random.default_rng(11)
-    for _ in range(25):
+    for _ in range(10):
         problem = fuzzed(kind, random)
         solution = solve(problem, Options(method=method, seed=int(random.integers(100))))
         assert 0 <= solution.lower_bound <= solution.energy

@@ -191,7 +191,7 @@ def test_a_time_limit_that_has_passed_leaves_the_start(method):
     np.testing.assert_allclose(solution.phases, start.phases, atol=1e-6)
 
 
-@pytest.mark.parametrize("questions", [3, 10, 20, 30, 40, 50, 60, 80, 100, 130])
+@pytest.mark.parametrize("questions", [3, 10, 30, 60, 130])
 def test_a_time_limit_at_any_moment_leaves_usable_phases(questions, monkeypatch):
     """The clock jumps past the deadline after a number of questions, wherever the solver is then."""
     from synch_fields.core import monitor

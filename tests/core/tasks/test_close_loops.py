@@ -30,11 +30,10 @@ def with_settings(request, **changes):
     return replace(request, settings=replace(request.settings, **changes))
 
 
-@pytest.mark.parametrize("degrees", [4.0, 9.0])
-def test_spirals_of_a_torus_all_close(degrees):
+def test_spirals_of_a_torus_all_close():
     """Lines at a small angle to its circles wind around it; turned onto them, each is a loop."""
     mesh = torus(around=72, across=30)
-    request = asked(mesh, directions=around_tube(mesh, degrees), spacing=0.3)
+    request = asked(mesh, directions=around_tube(mesh, 9.0), spacing=0.3)
     before, after = request.solve(), with_settings(request, loops=1.0).solve()
     given, found = quad_loops(before.quads), quad_loops(after.quads)
     assert given.short_share < 0.6 and found.short_share == 1.0

@@ -34,8 +34,9 @@ def asked(mesh, rows=(), directions=None, factors=1.0, **settings):
     return SurfaceRequest.of("quad_mesh", source, SurfaceSettings(**plain | settings).for_command("quad_mesh"))
 
 
-@pytest.mark.parametrize("faces", [150, 700])
-@pytest.mark.parametrize("build", [lambda: icosphere(4), lambda: bumpy_torus(16), lambda: square(30)])
+@pytest.mark.parametrize(
+    ("build", "faces"), [(lambda: icosphere(4), 700), (lambda: bumpy_torus(16), 150), (lambda: square(30), 150)]
+)
 def test_a_number_of_faces_is_met(build, faces):
     mesh = build()
     result = asked(mesh, faces=faces).solve()
@@ -81,8 +82,7 @@ def test_a_number_that_cannot_be_met_is_said():
     assert any("faces, not 13" in line for line in result.warnings)
 
 
-@pytest.mark.parametrize("reach", [1e3, 1e6])
-def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch):
+def test_a_spike_makes_no_more_faces_than_the_search_can_use(monkeypatch):
     """The area of a needle says little of how many quads lie along it."""
     counts, traced = [], quad_meshes._draw
 
@@ -93,16 +93,15 @@ def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch)
 
     monkeypatch.setattr(quad_meshes, "_draw", count_faces)
     ball = icosphere(2)
-    ball.vertices[0] *= reach
+    ball.vertices[0] *= 1e6
     asked(TriangleMesh(ball.vertices, ball.triangles), faces=8, branching=1.0).solve()
     assert max(counts) <= 400
 
 
-@pytest.mark.parametrize("faces", [1, 3])
-def test_too_few_faces_give_the_coarsest_mesh_there_is_and_a_warning(faces):
-    result = asked(icosphere(3), faces=faces).solve()
+def test_too_few_faces_give_the_coarsest_mesh_there_is_and_a_warning():
+    result = asked(icosphere(3), faces=1).solve()
     assert 2 <= len(result.quads.sizes) <= 60 and result.quads.euler_characteristic == 2
-    assert any(f"faces, not {faces}" in line for line in result.warnings)
+    assert any("faces, not 1" in line for line in result.warnings)
 
 
 def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
@@ -114,7 +113,7 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
         asked(icosphere(2), faces=7).solve()
 
 
-@pytest.mark.parametrize("degrees", [20, 35, 45])
+@pytest.mark.parametrize("degrees", [20, 45])
 def test_a_narrow_corner_gets_one_quad(degrees):
     """Lines along both sides, one after the other, would leave no line between the sides."""
     mesh = wedge(degrees)

@@ -35,7 +35,7 @@ def weights_in(triangles, places):
     return np.column_stack([1 - b - c, b, c])
 
 
-@pytest.mark.parametrize(("name", "symmetry"), [("triangles", 2), ("quads", 4), ("mixed", 2), ("mixed", 4)])
+@pytest.mark.parametrize(("name", "symmetry"), [("triangles", 2), ("quads", 4), ("mixed", 4)])
 def test_drawn_triangles_cover_the_faces_and_carry_the_phases_of_the_formula(name, symmetry):
     mesh, polygons = BUILDS[name]()
     spacing = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / 12

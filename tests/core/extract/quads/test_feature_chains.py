@@ -29,20 +29,16 @@ SHAPES = [
     pytest.param(plate, 0.08, 1 / 0.22, id="plate"),
     pytest.param(lambda: cylinder(1.0, 2.0, 96, 40), 0.2, 1.0, id="open-cylinder"),
     pytest.param(chamfered_cube, 0.16, 0.0, id="chamfered-cube"),
-    *(
-        pytest.param(lambda share=share: chamfered_cube(16, share * 0.1 / np.sqrt(2)), 0.2, 0.0, id=f"chamfer-{share}")
-        for share in (0.3, 0.9)
-    ),
+    pytest.param(lambda: chamfered_cube(16, 0.3 * 0.1 / np.sqrt(2)), 0.2, 0.0, id="chamfer-0.3"),
     pytest.param(lambda: cube(20), 0.163, 0.0, id="cube"),
     pytest.param(lambda: double_torus(3), 0.81, 0.0, id="double-torus"),
-    pytest.param(lambda: flat_cells([(0, 0), (1, 0), (0, 1)], 12), 0.326, 0.0, id="angle"),
     pytest.param(
         lambda: flat_cells([(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)], 10),
         0.39,
         0.0,
         id="frame",
     ),
-    *(pytest.param(lambda sides=sides: polygon(sides), 0.26, 0.0, id=f"{sides}-gon") for sides in (3, 5)),
+    pytest.param(lambda: polygon(5), 0.26, 0.0, id="5-gon"),
 ]
 
 

@@ -197,12 +197,11 @@ def test_vertices_and_faces_around_a_disclination_lack_what_it_is(quadrants, sid
 
 @pytest.mark.parametrize("side", [None, 0, 1, 2])
 def test_five_quadrants_always_meet_at_one_vertex(side):
-    found = [dislocated(quad_mesh(cone(5, 5.4, 8, side, seed))) for seed in range(20)]
-    assert found == [([-1], [])] * 20
+    found = [dislocated(quad_mesh(cone(5, 5.4, 8, side, seed))) for seed in range(8)]
+    assert found == [([-1], [])] * 8
 
 
-@pytest.mark.parametrize("cuts", [5, 6, 9])
-@pytest.mark.parametrize("cells", [3, 4, 7])
+@pytest.mark.parametrize(("cuts", "cells"), [(5, 3), (6, 4), (9, 7)])
 def test_a_cube_has_its_grid_and_eight_vertices_of_three_edges(cuts, cells):
     mesh = cube(cuts)
     pattern = quad_pattern(mesh, direction_field(mesh, 4), 2 / cells)

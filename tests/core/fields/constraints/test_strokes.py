@@ -20,7 +20,8 @@ def stroke(mesh, points):
     a, b, c = np.moveaxis(corners, 1, 0)
     faces = []
     for p in points[:, :2]:
-        sides = [np.linalg.det(np.stack([v - u, p - u], axis=1)) for u, v in ((a, b), (b, c), (c, a))]
+        x, y = np.stack([a - p, b - p, c - p]).transpose(2, 0, 1)
+        sides = x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)
         faces.append(np.argmax(np.min(sides, axis=0)))
     return np.array(faces), points
 

@@ -247,7 +247,7 @@ def test_float32_distances_do_for_the_boundary():
     assert np.abs(ball_distance(mesh.vertices[mesh.boundary_vertices])).max() < 1e-6
 
 
-@pytest.mark.parametrize("size", [0.2, 0.07])
+@pytest.mark.parametrize("size", [0.2, 0.1])
 def test_estimates(size):
     exact = fill_surface(ball_distance, BALL, size).tet_count
     assert estimated_tets(4 / 3 * np.pi, size, 4 * np.pi) == pytest.approx(exact, rel=0.05)
