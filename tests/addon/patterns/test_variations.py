@@ -11,6 +11,7 @@ import pytest
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.solution import COARSE, Options
 from synch_fields.core.solve import solve
+from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.translations import translate
 from synch_fields.synch_addon.operators.variations import SYNCH_OT_place_defect
@@ -164,7 +165,7 @@ def test_the_mesh_of_the_quads_that_are_shown(monkeypatch):
     obj.synch.seed, obj.synch.smoothing = 5, 2
     # A quad mesh from scratch has the field of quads if nothing is its own: a guide, as free ones lie along the
     # curvature; curvature of every length; and a rounding, as with the default one directions need a smaller search.
-    monkeypatch.setattr("synch_fields.core.tasks.surfaces.DETAIL", 0)
+    monkeypatch.setattr(SurfaceRequest, "_detail", 0.0)
     held = {"guidance": "axis:Z", "spacing": 0.4, "seed": 3, "rounding": "random"}
     api.quads(obj, **held)
     report = api.trace_quads(obj, smoothing=1)
