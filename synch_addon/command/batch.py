@@ -151,8 +151,8 @@ def _answer(task, way):
     try:
         here = versions()
         for name, wanted in task["versions"].items():
-            if here[name] != wanted:
-                raise SettingError(f"{name} is {here[name]} here and {wanted} where the batch began: install the same")
+            if here.get(name) != wanted:
+                raise SettingError(f"{name} is {here.get(name)} here and {wanted} where the batch began: install the same")
         os.chdir(task["working_folder"])
         records = Records(task["folder"])
         if records.done(task["key"]) is None:

@@ -176,7 +176,7 @@ class OneAfterTheOther:
         self._task = task
 
     def answer(self, _seconds):
-        return self._task, batch._answer(self._task, self._way, self._task["versions"])
+        return self._task, batch._answer(self._task, self._way)
 
 
 class _Tags(HTMLParser):
@@ -200,14 +200,14 @@ def test_any_rows_are_done_or_fail_alone(content):
         Path("out").mkdir()
         way = batch.Way(lambda line: main._parse_row(parser, line), declared_files, main._carry_out_row)
         try:
-            rows = plan(read_rows("rows.jsonl"), lambda line: batch._understood(line, way), {"one": 1})
+            rows = plan(read_rows("rows.jsonl"), lambda line: batch._understood(line, way), batch.versions())
         except SettingError as error:  # two rows that write one file
             check_line(str(error))
             COUNTS["files of rows refused"] += 1
             return
         records = Records("out")
         records.make_folders()
-        run_rows(rows, records, OneAfterTheOther(way), 0, {"one": 1}, lambda *_: None)
+        run_rows(rows, records, OneAfterTheOther(way), 0, batch.versions(), lambda *_: None)
         Path("ball.obj").unlink()  # rows have left the folder as it was
         (table, listed), done = write_tables(Path("out"), rows, records)
         write_sheet("out/sheet.html", f"rows {rows[0].label}", rows, records)

@@ -224,7 +224,7 @@ def test_loose_vertices_get_no_field_and_a_warning():
 
 
 def test_too_fine_a_spacing_warns_with_the_edge_length_it_needs():
-    report = api.stripes(grid(), spacing=0.1)
+    report = api.stripes(grid(), spacing=0.1, surface="faces")
     (warning,) = report["warnings"]
     assert "0.1 is finer than the mesh can carry" in warning
     assert "edges shorter than 0.05" in warning and "set the surface to automatic" in warning

@@ -108,7 +108,7 @@ def test_automatic_spacing_follows_the_scale():
 def test_automatic_spacing_is_always_accepted():
     """Even on the faces that every new file starts with, which carry no stripes; it is told so."""
     bpy.ops.mesh.primitive_cube_add()
-    report = api.stripes(bpy.context.active_object)
+    report = api.stripes(bpy.context.active_object, surface="faces")
     assert any("set the surface to automatic" in line for line in report["warnings"])
 
 

@@ -88,7 +88,7 @@ def test_a_new_stripe_has_two_ends(kind):
 
 
 def test_a_line_end_that_is_there_is_one():
-    pattern = solved("line")
+    pattern = add_stripe(solved("line"), 100)
     vertex = pattern.mesh.triangles[pattern.dislocations[0].triangle, 0]
     assert with_line_ends(pattern, [vertex]) is pattern
 
