@@ -151,8 +151,9 @@ def _answer(task, way):
     try:
         here = versions()
         for name, wanted in task["versions"].items():
-            if here.get(name) != wanted:
-                raise SettingError(f"{name} is {here.get(name)} here and {wanted} where the batch began: install the same")
+            found = here.get(name)
+            if found != wanted:
+                raise SettingError(f"{name} is {found} here and {wanted} where the batch began: install the same")
         os.chdir(task["working_folder"])
         records = Records(task["folder"])
         if records.done(task["key"]) is None:
