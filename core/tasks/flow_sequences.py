@@ -21,7 +21,7 @@ from ..geometry.grid import Grid, box_grid
 from ..monitor import Callback, Monitor, portion
 from ..settings.flow import FlowSettings
 from ..solve import Options
-from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, showing
+from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, extract_vortices
 
 # Bytes of the maps of a frame for each node, and the most for the maps of all frames.
 _KEPT, _MOST_KEPT = 200, 2**30
@@ -103,9 +103,9 @@ class SequenceRequest:
             found, sphere, warnings = self._solve_frame(
                 file, grid, quantum, found, sphere, _name_frames(part, file.frame)
             )
-            result = FlowResult(found, sphere, found, None).seeing(self.settings)
+            result = FlowResult(found, sphere, found, None).seen_from_point(self.settings)
             monitor.at(f"frame {file.frame}, vortices", begin + (1 - begin) * (number + 0.95) / count)
-            shown = monitor.during(partial(showing, result.seen, sphere, self.settings))
+            shown = monitor.during(partial(extract_vortices, result.seen, sphere, self.settings))
             is_kept = (number + 1) * grid.node_count * _KEPT <= _MOST_KEPT
             kept = replace(result.lean, shown=shown) if is_kept else None
             frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown), kept))

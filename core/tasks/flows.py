@@ -126,7 +126,7 @@ class Shown:
         return tuple(lines)
 
 
-def showing(found: ClebschMap, sphere: SphericalMap | None, settings: FlowSettings) -> Shown:
+def extract_vortices(found: ClebschMap, sphere: SphericalMap | None, settings: FlowSettings) -> Shown:
     """The :class:`Shown` that settings ask for; filaments do not need the sphere."""
     grid, lines, tubes, stubs = found.regular_grid, None, None, 0
     if settings.show != "tubes":
@@ -205,9 +205,10 @@ class FlowResult:
             show(found)
         is_rough = settings.show == "filaments" and isinstance(grid, Grid)
         sphere = spherical_map(found, portion(progress, 0.8, 0.2), is_rough) if settings.method == "sdp" else None
-        return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
+        seconds = {"sphere": sphere.seconds} if sphere else {}
+        return cls(found, sphere, found, None, seconds=seconds).seen_from_point(settings)
 
-    def seeing(self, settings: FlowSettings) -> "FlowResult":
+    def seen_from_point(self, settings: FlowSettings) -> "FlowResult":
         """The result seen from the settings' point of the sphere; None is the map of least energy."""
         if settings.point is None or self.sphere is None:
             return replace(self, seen=self.found)
@@ -220,18 +221,18 @@ class FlowResult:
         sphere = None if self.sphere is None else replace(self.sphere, found=found)
         return replace(self, found=found, sphere=sphere, seen=found.with_phases(self.seen.phases))
 
-    def again(self, settings: FlowSettings) -> "FlowResult":
+    def show_again(self, settings: FlowSettings) -> "FlowResult":
         """The same solve shown with another point, width or smoothing."""
-        other = self.seeing(settings)
+        other = self.seen_from_point(settings)
         if self.shown is None:
             return other
-        return replace(other, shown=showing(other.seen, self.sphere, settings), linked=None)
+        return replace(other, shown=extract_vortices(other.seen, self.sphere, settings), linked=None)
 
 
 def _shown_share(found: ClebschMap, settings: FlowSettings) -> float:
     """The share of the vorticity that a map's filaments carry, in space without those that are left out."""
     if isinstance(found.grid, Grid) and settings.show != "tubes":
-        return showing(found, None, settings).share or 0.0
+        return extract_vortices(found, None, settings).share or 0.0
     return found.vorticity_share or 0.0
 
 
@@ -276,7 +277,8 @@ class FlowRequest:
         if show is not None and settings.show != "tubes" and settings.point is None:
             early = partial(self._show_early, show, grid, warnings)
         result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest, early)
-        shown = _run_interruptibly(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
+        extract = partial(extract_vortices, result.seen, result.sphere, settings)
+        shown = _run_interruptibly(extract, "vortices", progress, 0.95)
         winding = None
         if shown.lines is not None:
             box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
@@ -289,7 +291,7 @@ class FlowRequest:
         self, show: Callable[[FlowResult], object], grid: Grid, warnings: tuple[str, ...], found: ClebschMap
     ) -> None:
         """Show the filaments of a map, if it has any, without the map to the sphere and linking numbers."""
-        shown = showing(found, None, self.settings)
+        shown = extract_vortices(found, None, self.settings)
         if found.grid is not grid:
             coarse = " x ".join(map(str, found.regular_grid.shape))
             line = f"the solve was ended early: the filaments are those of a coarse grid of {coarse} nodes"

@@ -75,7 +75,7 @@ def choose_point(
         raise SynchError(f"{obj.name} is being edited: leave its edit mode")
     look = {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
     settings = replace(_shown(obj, solved.settings), **look, point=point)
-    result = solved.result.again(settings)
+    result = solved.result.show_again(settings)
     with whole_or_nothing():
         filled = solved.fill(result, settings, present)
         return finish(replace(solved, settings=settings, result=result), filled, present, start)

@@ -15,7 +15,7 @@ from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import edge_integrals, faces_of_filament
 from synch_fields.core.files.flows import flow_file
 from synch_fields.core.geometry.grid import Grid
-from synch_fields.core.tasks.flows import showing
+from synch_fields.core.tasks.flows import extract_vortices
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import openvdb
 from synch_fields.synch_addon.command.main import main
@@ -127,7 +127,7 @@ def test_tubes_have_no_faces_that_fold(radius):
     sphere = np.column_stack([np.sin(distance) * np.cos(turn), np.sin(distance) * np.sin(turn), -np.cos(distance)])
     found = SimpleNamespace(grid=grid, regular_grid=grid, quantum=1.0)
     settings = SimpleNamespace(show="tubes", point=None, opening=np.degrees(radius), smoothing=4, unwrapped=False)
-    tubes = showing(found, SimpleNamespace(found=found, sphere=sphere), settings).tubes
+    tubes = extract_vortices(found, SimpleNamespace(found=found, sphere=sphere), settings).tubes
     corners = tubes.vertices[tubes.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(corners.mean(axis=1), axis=1)

@@ -20,7 +20,7 @@ from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks import flows
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
-from synch_fields.core.tasks.flows import FlowRequest, check_grid, showing
+from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices
 
 from ..flows import ring_curve
 
@@ -56,7 +56,7 @@ def test_filaments_and_tubes_of_arrays_are_around_their_ring(ring_file):
     assert all(distance(line.points, 0.1) < 3 for line in result.shown.lines)
     assert len(result.shown.tubes.vertices) and distance(result.shown.tubes.vertices, 0.1) < 4
     assert result.linked is not None
-    again = result.again(FlowSettings(**QUICK, quantum=0.5, point=(0.0, 0.0, -1.0)))
+    again = result.show_again(FlowSettings(**QUICK, quantum=0.5, point=(0.0, 0.0, -1.0)))
     assert again.found is result.found and again.linked is None
     assert distance(again.shown.tubes.vertices, 0.1) < 4
     assert not np.array_equal(again.shown.tubes.vertices, result.shown.tubes.vertices)
@@ -175,7 +175,7 @@ def test_stubs_are_left_out_and_counted(spacing):
     phases[grid.numbers[6, 5, 5]] = np.exp(2.1j)
     found = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0, Options(method="spectral")).with_phases(phases)
     turned = replace(found, integrals=np.random.default_rng(0).uniform(-0.3, 0.3, len(grid.edges)))
-    every, shown = filaments(turned), showing(turned, None, FlowSettings(smoothing=0))
+    every, shown = filaments(turned), extract_vortices(turned, None, FlowSettings(smoothing=0))
     small = [line for line in every if (np.ptp(line.whole, axis=0) / spacing).max() < 2]
     assert len(small) > 0 and shown.stubs == len(small) and len(shown.lines) == len(every) - len(small)
     assert any("left out, no longer than two cells" in line for line in shown.missing)
