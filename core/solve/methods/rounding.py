@@ -50,9 +50,9 @@ FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers in memory at once, and columns of a batch at least: memory, and how soon a solve can be stopped.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
-# Columns of a batch that fit into the cache, and numbers for which another thread pays. Both hold for any number of
-# threads, since rounding errors depend on the batches.
-CACHED_BATCH, WORTH_SHARING = 10, 60_000
+# Columns of a batch, with which one core takes 4 % longer than with all at once, and numbers for which another thread
+# pays. Both hold for any number of threads, since rounding errors depend on the batches.
+SHARED_BATCH, WORTH_SHARING = 10, 60_000
 # Metric shift of descents as a share of the energy per mass.
 CANDIDATE_SHIFT = 1.0
 
@@ -158,7 +158,7 @@ def _in_batches(
     """The results of work(columns, monitor) on columns, or on their numbers, in batches that all cores share."""
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
-    fewest = min(size * count // WORTH_SHARING, 2 * -(-count // (2 * CACHED_BATCH)))  # even, for two cores
+    fewest = min(size * count // WORTH_SHARING, 2 * -(-count // (2 * SHARED_BATCH)))  # even, for two cores
     batches = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
     at_once = max(MOST_AT_ONCE // (size * batches[0].shape[-1]), 2)
     return np.concatenate(share_out(work, batches, monitor, at_once), axis=-1)
