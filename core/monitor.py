@@ -123,3 +123,16 @@ def portion(callback: Callback | None, start: float, share: float) -> Callback |
     if callback is None:
         return None
     return lambda stage, fraction: callback(stage, start + share * fraction)
+
+
+def with_seconds_left(callback: Callback | None, seconds: float) -> Callback | None:
+    """Derive a callback whose stages add the seconds left, of those that the work usually takes from now on."""
+    if callback is None:
+        return None
+    begin = time.perf_counter()
+
+    def estimate(stage: str, fraction: float) -> bool | None:
+        left = seconds - (time.perf_counter() - begin)
+        return callback(f"{stage}, about {left:.0f} s left" if left >= 1 else stage, fraction)
+
+    return estimate

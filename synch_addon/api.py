@@ -13,13 +13,11 @@ from pathlib import Path
 from typing import Unpack
 
 import bpy
-import numpy as np
 
 from ..core.errors import SettingError, SynchError, quote_value
 from ..core.fields import DirectionField, Pattern
 from ..core.fields.placement import check_vertices, move_defects, variation, with_line_ends
 from ..core.files.json_text import Json
-from ..core.geometry.mesh_input import MeshInput
 from ..core.geometry.tet_mesh import TetMesh
 from ..core.monitor import Callback
 from ..core.settings.bake import BakeSettings
@@ -165,7 +163,7 @@ def place_defects(
     (Section 4.6), and how many there may be is the rank of the lifted field less one, for line and cross fields half of
     that.
     """
-    return _edit(obj, lambda solved: with_line_ends(_pattern_of(solved), vertices), renumber, onto)
+    return _edit(obj, lambda solved: with_line_ends(solved.needed_pattern, vertices), renumber, onto)
 
 
 def move_defect(
@@ -177,28 +175,10 @@ def move_defect(
     """
 
     def move(solved: memory.Solved) -> Pattern:
-        starts, targets = (_triangles_of(solved.request.given, number) for number in (face, to_face))
-        return move_defects(_pattern_of(solved), starts, targets)
+        starts, targets = (meshes.triangles_of_face(solved.request.given, number) for number in (face, to_face))
+        return move_defects(solved.needed_pattern, starts, targets)
 
     return _edit(obj, move, renumber, onto)
-
-
-def _triangles_of(given: MeshInput, face: int) -> np.ndarray:
-    """The triangles of the solved mesh that lie in a face."""
-    polygons, triangles = given.polygons, given.mesh.triangles
-    if not isinstance(face, Integral) or isinstance(face, bool) or not 0 <= face < len(polygons.starts):
-        raise SettingError(f"there is no face {quote_value(face)}: the mesh has {len(polygons.starts)}, from 0 on")
-    start = polygons.starts[face]
-    corners = polygons.corner_vertices[start : start + polygons.sizes[face]]
-    inside = np.flatnonzero(np.isin(triangles, corners).all(axis=1))
-    found: np.ndarray = inside[meshes.faces_of_triangles(polygons, triangles[inside]) == face]
-    return found
-
-
-def _pattern_of(solved: memory.Solved) -> Pattern:
-    if solved.pattern is None:
-        raise SynchError("defects are placed in stripes and quads: solve one of them first")
-    return solved.pattern
 
 
 def show_again(obj: bpy.types.Object, shown: memory.Solved) -> None:

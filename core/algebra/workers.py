@@ -72,9 +72,10 @@ def solving() -> Iterator[None]:
 
 @contextmanager
 def beside(work: Callable[[], Result]) -> Iterator[Callable[[], Result]]:
-    """Context in which ``work()`` runs in a thread of its own where one is idle.
+    """Run ``work()`` in its own thread during a ``with`` block, if more than one thread may be used.
 
-    Yields a function that returns its result: it waits for it, or computes it now. The context ends after the work.
+    Yields a function that returns the result, for which it waits; with one thread it computes it when it is called. The
+    block ends after the work.
     """
     if idle_workers() == 1:
         yield work

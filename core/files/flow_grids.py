@@ -23,7 +23,7 @@ from ..geometry.grid import Grid, box_grid
 from ..memory import at_most
 from .border import TEXT_BYTES, border, check_promise, read_bytes
 from .flow_arrays import library, read_arrays
-from .regular_flows import MASKS, PLANE, SOLIDS, GridFlow, grid_flow, resample_evenly
+from .regular_flows import MASKS, PLANE, SOLIDS, GridFlow, grid_flow, is_solid, resample_evenly
 from .tets import vtu_array, vtu_arrays, vtu_root
 from .volumes import SOUND_BYTES, SOUND_RATIO, choose_flow
 
@@ -210,5 +210,5 @@ def _blank(vectors: np.ndarray, data: Any) -> np.ndarray:
     for name in data.keys():
         if name.lower() in (*SOLIDS, *MASKS):
             values = np.asarray(data[name]).reshape(len(vectors), -1)[:, 0]
-            solid |= (values != 0) if name.lower() in SOLIDS else (values == 0)
+            solid |= is_solid(name, values)
     return np.where(solid[:, None], np.nan, vectors)

@@ -67,9 +67,14 @@ def grid_flow(
         raise SettingError(PLANE)
     solid = ~np.isfinite(vectors).all(axis=3)
     for name, values in extra.items():
-        solid |= (values != 0) if name.lower() in SOLIDS else (values == 0)
+        solid |= is_solid(name, values)
     grid = Grid(vectors.shape[:3], spacing, origin, solid=solid if solid.any() else None)
     return GridFlow(grid, np.where(solid[..., None], 0, vectors).reshape(-1, 3).astype(float), is_curl, warnings)
+
+
+def is_solid(name: str, values: np.ndarray) -> np.ndarray:
+    """Bool like the values of an array of :data:`SOLIDS` or :data:`MASKS`: places without a flow."""
+    return np.asarray((values != 0) if name.lower() in SOLIDS else (values == 0))
 
 
 def resample_evenly(

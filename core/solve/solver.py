@@ -5,14 +5,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import beside, solving
-from ..memory import check_memory
 from ..monitor import Callback, Monitor, OutOfTime
 from ..piece import Piece
 from ..pieces import Pieces
@@ -24,7 +23,7 @@ from .methods import rounding
 from .methods.diffusion import diffuse
 from .methods.initial_field import descend_from, first_field, search_after_relaxation, search_without_relaxation
 from .methods.manifolds import fields_of, random_columns
-from .methods.memory_estimate import connection_bytes
+from .methods.memory_estimate import check_problem_memory
 from .methods.spectral import smallest_eigenpair
 from .methods.stage import Stage, Workspace
 from .methods.staircase import MAX_RANK, Relaxation, relax, start_rank
@@ -39,6 +38,8 @@ CURL_SHARE = 0.1
 NEARLY_TIGHT = 0.05
 # How many times as long as a first field a bound takes, about (measured in bench/README.md).
 PROOF_IN_FIRSTS = 3.0
+# Returns what :func:`_prepare_search` does.
+_Prepared: TypeAlias = Callable[[], csr_matrix | None]
 
 
 def solve(
@@ -80,7 +81,7 @@ def _solve(
 ) -> Solution:
     clock = Clock()
     if options.method == "sdp":
-        _check_memory(problem)
+        check_problem_memory(problem)
     with clock("build"):
         pieces = problem.pieces
         begin = Start.of(problem, start)
@@ -155,14 +156,6 @@ class _Watch:
             self._energy = energy
             self.part = replace(self.part, fields=_finish_piece(piece, column).fields)
             self._show_all()
-
-
-def _check_memory(problem: SynchronizationProblem) -> None:
-    """Refuse a problem whose largest piece needs more memory than is available."""
-    connection, sizes = problem.connection, problem.component_sizes
-    share = sizes.max(initial=0) / max(sizes.sum(), 1)
-    whole = connection_bytes(connection.node_count, len(connection.edges), problem.block, problem.is_complex)
-    check_memory(share * whole, f"a solve of {connection.node_count:,} phases")
 
 
 class _LessCurl:
@@ -252,7 +245,8 @@ def _solve_by_method(task: _Task) -> PartResult:
         return _solve_descent(task, workspace)
     if method in (FIRST, COARSE):
         return _solve_first(task, workspace)
-    return _solve_sdp(task, workspace)
+    with beside(partial(_prepare_search, task, workspace.stages[0])) as prepared:
+        return _solve_sdp(task, workspace, prepared)
 
 
 def _finish_piece(piece: Piece, columns: np.ndarray, **quality: Any) -> PartResult:
@@ -322,12 +316,6 @@ def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
     return _finish_piece(task.piece, column, certificate=Certificate.NONE, status=status)
 
 
-def _solve_sdp(task: _Task, workspace: Workspace) -> PartResult:
-    """Relax, certify and round; what rounding needs besides is built meanwhile where a core is idle."""
-    with beside(partial(_prepare_search, task, workspace.stages[0])) as prepared:
-        return _relax_and_round(task, workspace, prepared)
-
-
 def _prepare_search(task: _Task, stage: Stage) -> csr_matrix | None:
     """Build what the search for phases needs besides the relaxation; returns the matrix with less curl, or None."""
     if task.options.rounding != "continuation" or task.start.column is not None:
@@ -336,7 +324,8 @@ def _prepare_search(task: _Task, stage: Stage) -> csr_matrix | None:
     return None if task.less_curl is None else task.less_curl(task.weight)
 
 
-def _relax_and_round(task: _Task, workspace: Workspace, prepared: Callable[[], csr_matrix | None]) -> PartResult:
+def _solve_sdp(task: _Task, workspace: Workspace, prepared: _Prepared) -> PartResult:
+    """Relax, certify and round."""
     piece, monitor, watch = task.piece, task.monitor, task.watch
     monitor.expect(0.0 if watch is None else watch.proof_in)
     monitor.at("relaxation", 0.0)
@@ -367,9 +356,7 @@ def _relax_and_round(task: _Task, workspace: Workspace, prepared: Callable[[], c
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 
 
-def _round(
-    task: _Task, workspace: Workspace, relaxation: Relaxation, prepared: Callable[[], csr_matrix | None]
-) -> tuple[np.ndarray, bool]:
+def _round(task: _Task, workspace: Workspace, relaxation: Relaxation, prepared: _Prepared) -> tuple[np.ndarray, bool]:
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, options, monitor = task.piece, task.options, task.monitor
     stage, lifted = workspace.stages[0], relaxation.lifted

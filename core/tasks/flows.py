@@ -2,7 +2,6 @@
 """Vortices of flows in space and on surfaces (paper, Section 3.6)."""
 
 import dataclasses
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -32,7 +31,7 @@ from ..geometry import TriangleMesh
 from ..geometry.grid import Grid
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
-from ..monitor import Callback, Monitor, Result, portion
+from ..monitor import Callback, Monitor, Result, portion, with_seconds_left
 from ..settings.flow import FlowSettings
 from ..solution import COARSE_DIFFUSED
 from ..solve import Options
@@ -271,7 +270,7 @@ class FlowRequest:
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
         each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
-        progress = _estimate_seconds(progress, each * grid.node_count)
+        progress = with_seconds_left(progress, each * grid.node_count)
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         early = None
         if show is not None and settings.show != "tubes" and settings.point is None:
@@ -369,19 +368,6 @@ def _about_quantum(found: ClebschMap) -> Iterator[str]:
             f"{mean:.2g} filaments pass a face of the grid on average, and from {MOST_QUANTA:g} on they cannot be told "
             f"apart: give a circulation from {mean * found.quantum / _MANY_QUANTA:.3g} on, or a finer grid"
         )
-
-
-def _estimate_seconds(progress: Callback | None, seconds: float) -> Callback | None:
-    """A callback whose stages add the seconds left, from the usual seconds of a solve."""
-    if progress is None:
-        return None
-    begin = time.perf_counter()
-
-    def estimating(stage: str, fraction: float) -> bool | None:
-        left = seconds - (time.perf_counter() - begin)
-        return progress(f"{stage}, about {left:.0f} s left" if left >= 1 else stage, fraction)
-
-    return estimating
 
 
 def _run_interruptibly(

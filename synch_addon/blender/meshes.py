@@ -2,12 +2,13 @@
 """The only door between Blender's data and the core's arrays."""
 
 from contextlib import contextmanager
+from numbers import Integral
 
 import bmesh
 import bpy
 import numpy as np
 
-from ...core.errors import MeshError, SynchError
+from ...core.errors import MeshError, SettingError, SynchError, quote_value
 from ...core.geometry.manifold_repair import finite_places
 from ...core.geometry.mesh_input import ObjectMesh
 from ...core.geometry.polygons import Polygons
@@ -261,6 +262,17 @@ def faces_of_triangles(polygons, triangles):
     face_of = np.empty(labels.max(initial=0) + 1, int)
     face_of[labels[: len(near)]] = polygons.triangle_faces[near]
     return face_of[labels[len(near) :]]
+
+
+def triangles_of_face(given, face):
+    """(k,) triangles of the mesh of a MeshInput that lie in one of its faces."""
+    polygons, triangles = given.polygons, given.mesh.triangles
+    if not isinstance(face, Integral) or isinstance(face, bool) or not 0 <= face < len(polygons.starts):
+        raise SettingError(f"there is no face {quote_value(face)}: the mesh has {len(polygons.starts)}, from 0 on")
+    start = polygons.starts[face]
+    corners = polygons.corner_vertices[start : start + polygons.sizes[face]]
+    inside = np.flatnonzero(np.isin(triangles, corners).all(axis=1))
+    return inside[faces_of_triangles(polygons, triangles[inside]) == face]
 
 
 def select_vertices(obj, vertices):

@@ -81,3 +81,17 @@ def hidden(modifiers):
                 restored.callback(setattr, modifier, "show_viewport", True)
                 modifier.show_viewport = False
         yield
+
+
+def input_value(modifier, name):
+    """The value of an input of a geometry nodes modifier, or None."""
+    holder, key = input_property(modifier, name)
+    return holder.value if key == "value" else modifier.get(key[2:-2])
+
+
+def input_property(modifier, name):
+    """What holds an input of a geometry nodes modifier, and the property of it that layouts draw."""
+    identifier = modifier.node_group.interface.items_tree[name].identifier
+    if hasattr(modifier, "properties"):  # from Blender 5.2 on
+        return getattr(modifier.properties.inputs, identifier), "value"
+    return modifier, f'["{identifier}"]'

@@ -3,7 +3,7 @@
 
 from ...core.errors import SynchError
 from .attributes import read
-from .modifiers import changes_faces, is_ours, is_surface
+from .modifiers import changes_faces, input_value, is_ours, is_surface
 from .objects import SURFACE_MARK
 from .schema import SOURCE_FACE
 
@@ -53,17 +53,10 @@ def source_faces(obj):
 
 def shown_by(modifier):
     """The object whose mesh a modifier shows, None where it was removed or is none of ours."""
-    found = _input(modifier, "Surface")
+    found = input_value(modifier, "Surface")
     return found if found is not None and SURFACE_MARK in found else None
 
 
 def is_of_modifiers(obj):
     """Whether the surface that an object's modifier shows was made of other vertices than the object's own."""
-    return _input(surface_modifier(obj), "Vertices") != len(obj.data.vertices)
-
-
-def _input(modifier, name):
-    identifier = modifier.node_group.interface.items_tree[name].identifier
-    if hasattr(modifier, "properties"):  # from Blender 5.2 on
-        return getattr(modifier.properties.inputs, identifier).value
-    return modifier.get(identifier)
+    return input_value(surface_modifier(obj), "Vertices") != len(obj.data.vertices)

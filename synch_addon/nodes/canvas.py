@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import bpy
 
+from ..blender.modifiers import input_value
 from ..blender.transaction import keep, undone_by
 
 _STAMP = "synch_stamp"
@@ -330,7 +331,7 @@ class GeometryCanvas(Canvas):
 
 def set_inputs(modifier, values):
     """Set inputs of a modifier's group, by their names; undone where the work fails."""
-    obj, name, before = modifier.id_data, modifier.name, {key: _socket_value(modifier, key) for key in values}
+    obj, name, before = modifier.id_data, modifier.name, {key: input_value(modifier, key) for key in values}
     undone_by(obj, lambda: _set_values(obj.modifiers[name], before))
     _set_values(modifier, values)
 
@@ -353,10 +354,3 @@ def _set_values(modifier, values):
         else:
             modifier[identifier] = value
     modifier.id_data.update_tag()
-
-
-def _socket_value(modifier, key):
-    identifier = modifier.node_group.interface.items_tree[key].identifier
-    if hasattr(modifier, "properties"):
-        return getattr(modifier.properties.inputs, identifier).value
-    return modifier[identifier]

@@ -10,6 +10,7 @@ from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
 from ..blender.meshes import refusal
+from ..blender.modifiers import input_property
 from ..blender.registration import register_all
 from ..blender.translations import OURS, translate
 from ..jobs.lru_cache import LruCache
@@ -77,11 +78,7 @@ def draw_opening(layout, obj):
         return
     row = layout.row(align=True)
     for name in ("Cut Open", "Peel"):
-        key = modifier.node_group.interface.items_tree[name].identifier
-        if hasattr(modifier, "properties"):  # from Blender 5.2 on
-            row.prop(getattr(modifier.properties.inputs, key), "value", text=name, slider=True)
-        else:
-            row.prop(modifier, f'["{key}"]', text=name, slider=True)
+        row.prop(*input_property(modifier, name), text=name, slider=True)
 
 
 def draw_layers(layout, stored):

@@ -56,6 +56,13 @@ class Solved:
         return self.field if self.pattern is None else self.pattern
 
     @property
+    def needed_pattern(self):
+        """The pattern; SynchError for directions alone."""
+        if self.pattern is None:
+            raise SynchError("defects are placed in stripes and quads: solve one of them first")
+        return self.pattern
+
+    @property
     def varies(self):
         """Whether there is a lifted field, of which variations and placed defects are projections."""
         return getattr(self.shown.solution, "lifted", None) is not None

@@ -44,7 +44,7 @@ def finish_quads(
     rows : of the constraint list; rows of phases hold the vertices on their lines
     rounds : number of smoothing steps
     only_quads : whether all faces become quads
-    apart : vertices between which there are no new edges
+    apart : vertices that no new edge may join to one another
 
     Raises SettingError for a pattern without faces, or whose faces would meet themselves, and for one that loses a
     handle.
@@ -87,7 +87,7 @@ def lost_lines(
 
 
 def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike = ()) -> FeatureLines | None:
-    """The lines that edges of the quad mesh should follow, without some edges; None where there are none."""
+    """The lines that edges of the quad mesh should follow, except edges in ``without``; None if no line is left."""
     links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
     edges = np.setdiff1d(mesh.edges_between(*links.T), without)
     return FeatureLines.of(mesh, edges) if len(edges) else None

@@ -39,7 +39,7 @@ class MirrorSide:
     whole : the surface, its own mirror image
     units : (k, 3) unit normals of the planes
     mesh : the part
-    vertices, triangles : (n,) vertex and (m,) triangle of the whole surface for those of the part, ascending
+    vertices, triangles : (n,) and (m,) indices, ascending, of the part's vertices and triangles in the whole surface
     """
 
     whole: TriangleMesh
@@ -149,7 +149,7 @@ def _without_tips(quads: QuadMesh, on_planes: np.ndarray) -> QuadMesh:
 
 
 def _add_reflection(quads: QuadMesh, unit: np.ndarray, on_plane: np.ndarray) -> tuple[QuadMesh, np.ndarray]:
-    """The quad mesh with its reflection, joined at (n,) bool vertices, and the vertex that each of its own was.
+    """Join the quad mesh to its reflection at the vertices of (n,) bool; returns also the vertex that each came from.
 
     A triangle with a side on the plane becomes a quad with its reflection.
     """

@@ -6,6 +6,9 @@ a proof with the rows and the width of its front. The numbers were measured on l
 twice as much (bench/memory.py, bench/README.md).
 """
 
+from ...memory import check_memory
+from ...problem import SynchronizationProblem
+
 # Bytes for each row, and for each entry of the matrix, of complex numbers (True) and of real ones.
 _SEARCH = {True: (3000, 100), False: (1500, 80)}
 # Bytes of a factorization for each row, and row of the widest front.
@@ -26,3 +29,11 @@ def connection_bytes(nodes: int, edges: int, block: int, is_complex: bool) -> in
 def proof_bytes(rows: int, width: int, is_complex: bool) -> int:
     """Additional bytes of a factorization whose widest front has ``width`` rows."""
     return _PROOF[is_complex] * rows * width
+
+
+def check_problem_memory(problem: SynchronizationProblem) -> None:
+    """Refuse a problem whose largest piece needs more memory than is available."""
+    connection, sizes = problem.connection, problem.component_sizes
+    share = sizes.max(initial=0) / max(sizes.sum(), 1)
+    whole = connection_bytes(connection.node_count, len(connection.edges), problem.block, problem.is_complex)
+    check_memory(share * whole, f"a solve of {connection.node_count:,} phases")

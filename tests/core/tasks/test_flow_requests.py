@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from synch_fields.core import monitor
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import FilamentCurves, filament_velocity
@@ -18,7 +19,6 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import Grid, box_grid
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
-from synch_fields.core.tasks import flows
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
 from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices
 
@@ -160,7 +160,7 @@ def test_tubes_that_are_blobs_and_filaments_of_a_cell_are_told(ring_file):
 def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file, monkeypatch):
     told = []
     # Time stands still, so that the estimate is the first one wherever the test runs.
-    monkeypatch.setattr(flows, "time", SimpleNamespace(perf_counter=lambda: 0.0))
+    monkeypatch.setattr(monitor, "time", SimpleNamespace(perf_counter=lambda: 0.0))
     FlowRequest(ring_file(), FlowSettings(target_gap=0.1)).solve(lambda *stage: told.append(stage) or True)
     stages, fractions = zip(*told, strict=True)
     assert next(stage for stage in stages if stage != "flow").endswith("about 1 s left")  # 18^3 nodes

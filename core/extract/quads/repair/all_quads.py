@@ -48,7 +48,7 @@ class Faces:
     kept : edges that stay
     vertices, normals : (n, 3)
     halved : ends of the edge that each new vertex is in the middle of
-    apart : vertices between which there are no new edges
+    apart : vertices that no new edge may join to one another
     """
 
     corners: dict[int, list[int]]
@@ -123,7 +123,7 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: 
     ----------
     mesh : the surface
     keep : (k, 2) vertices of edges that stay, whole or halved
-    apart : vertices between which there are no new edges
+    apart : vertices that no new edge may join to one another
     """
     if (quads.sizes == 4).all():
         return quads

@@ -27,7 +27,7 @@ def flip_edges(quads: QuadMesh, normals: np.ndarray, keep: ArrayLike = (), apart
     ----------
     normals : (n, 3) of the surface at the vertices
     keep : (k, 2) vertices of edges that stay
-    apart : vertices between which there are no new edges
+    apart : vertices that no new edge may join to one another
     """
     edges, counts = quads.edges
     faces = Faces.of(quads, normals, keep, apart)
