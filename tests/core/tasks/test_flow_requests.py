@@ -19,6 +19,7 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import Grid, box_grid
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
+from synch_fields.core.tasks import flows
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
 from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices
 
