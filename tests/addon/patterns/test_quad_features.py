@@ -4,6 +4,7 @@
 
 import bpy  # isort: skip, bmesh is a part of it
 from dataclasses import replace
+from itertools import pairwise
 
 import bmesh
 import numpy as np
@@ -16,7 +17,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.reading.surface import gather
 
 from ..quad_meshes import made_from
-from ..scenes import set_numbers
+from ..scenes import add_curve, set_numbers, sphere
 
 
 def object_of(build):
@@ -115,6 +116,36 @@ def test_marked_edges_are_features():
         )
     made, _ = made_from(obj, spacing=0.37, features=np.radians(120))
     assert corners_found(made) == 8
+
+
+def test_a_stroke_is_an_edge_loop_around_a_ball():
+    """Of a circle that no edges of the mesh follow: its whole length, and each vertex on it has two edges along it."""
+    ball = sphere(5)
+    turns = np.linspace(0, 2 * np.pi, 90)
+    ring = np.column_stack([0.9 * np.cos(turns), 0.9 * np.sin(turns), np.full(90, np.sqrt(1 - 0.9**2))])
+    row = {"where": "curve", "what": "phase", "name": add_curve(ring).name}
+    made, report = made_from(ball, faces=400, constraints=[row])
+    assert report["warnings"] == [] and report["quad_mesh"]["quad_share"] == 1
+    side = report["quad_mesh"]["edge_length"]
+    line = np.concatenate([a + (b - a) * np.linspace(0, 1, 20)[:, None] for a, b in pairwise(ring)])
+    away = cKDTree(line).query(places(made))[0] < 0.1 * side
+    edges = np.array([edge.vertices[:] for edge in made.data.edges])
+    along = edges[away[edges].all(axis=1)]
+    assert (np.bincount(along.ravel())[np.flatnonzero(away)] == 2).all()
+    length = np.linalg.norm(np.diff(places(made)[along], axis=1), axis=2).sum()
+    assert length == pytest.approx(2 * np.pi * 0.9, rel=0.02)
+
+
+def test_painted_density_keeps_the_number_of_faces():
+    """Quads are smaller where a map is painted: not quite half as long, since no line branches where the map ends."""
+    obj = object_of(block)
+    group = obj.vertex_groups.new(name="dense")
+    group.add([n for n, place in enumerate(places(obj)) if place[0] > 0], 1.0, "REPLACE")
+    made, report = made_from(obj, faces=540, spacing_map="dense", spacing_range=0.5)
+    assert len(made.data.polygons) == pytest.approx(540, rel=0.05) and report["warnings"] == []
+    areas, at = (np.array([getattr(face, key) for face in made.data.polygons]) for key in ("area", "center"))
+    sides = [np.sqrt(np.median(areas[chosen])) for chosen in (at[:, 0] > 0.3, at[:, 0] < -0.3)]
+    assert 0.45 < sides[0] / sides[1] < 0.75
 
 
 @pytest.mark.any_surface  # the plane crosses faces of the block
