@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Guides of directions on a surface, as text such as ``curvature-max=2,axis:Z``.
 
-A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.spec_parser` reads them.
+A guidance is "automatic", "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.spec_parser` reads them.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,8 @@ from ..spec_parser import items, quote_name
 from ..validation import check_size
 
 BOUNDARY = "boundary"
+# Without a guide: the choice is left to the command, or the field turns as little as it can.
+AUTOMATIC, SMOOTH = "automatic", "smooth"
 AXES = ("X", "Y", "Z")
 # Factor of all weights but those of curvature, which depend on the surface's radii: the others are at most shares of
 # the area. With it the field aligns with a guide over a distance of root(area / 300), and a blend with curvature, whose
@@ -82,7 +84,9 @@ class Source:
 
     def __post_init__(self) -> None:
         if self.kind not in GUIDES:
-            raise SettingError(f"the guidance {self.kind!r} is unknown: use one of smooth, {', '.join(GUIDES)}")
+            raise SettingError(
+                f"the guidance {self.kind!r} is unknown: use one of {AUTOMATIC}, {SMOOTH}, {', '.join(GUIDES)}"
+            )
         needed = GUIDES[self.kind]
         if not needed.names and self.name:
             raise SettingError(f"the guidance {self.kind} takes no name: leave {self.name!r} out")
@@ -104,21 +108,27 @@ class Source:
         return self.label if self.strength is None else f"{self.label}={self.strength:g}"
 
     @property
+    def is_of_curvature(self) -> bool:
+        """Whether the guide is a principal direction of the surface."""
+        return self.kind.startswith("curvature")
+
+    @property
     def share(self) -> float:
         """Factor of the guide's weights."""
         strength = 1.0 if self.strength is None else self.strength
-        return strength if self.kind.startswith("curvature") else BOUNDED_STRENGTH * strength
+        return strength if self.is_of_curvature else BOUNDED_STRENGTH * strength
 
 
 def parse_guidance(text: str) -> tuple[Source, ...]:
-    """The sources of a guidance, none for "smooth"; SettingError for a text that cannot be read."""
+    """The sources of a guidance, none for :data:`AUTOMATIC` and :data:`SMOOTH`; SettingError for a text that cannot be
+    read."""
     found = items(text, "guidance", "KIND:NAME=STRENGTH")
-    return () if found == [("smooth", None, None)] else tuple(_source(*item) for item in found)
+    return () if found in [[(word, None, None)] for word in (AUTOMATIC, SMOOTH)] else tuple(_source(*i) for i in found)
 
 
 def _source(kind: str, name: str | None, strength: str | None) -> Source:
-    if kind == "smooth":
-        raise SettingError("the guidance smooth stands alone: leave it out of the blend")
+    if kind in (AUTOMATIC, SMOOTH):
+        raise SettingError(f"the guidance {kind} stands alone: leave it out of the blend")
     try:
         return Source(kind, name or "", None if strength is None else float(strength))
     except ValueError:

@@ -10,7 +10,7 @@ from typing import Any
 from ..errors import SettingError
 from ..validation import MOST_ROUNDS
 from .constraints import Constraint, from_plain
-from .guidance import GUIDES, Source, parse_guidance
+from .guidance import AUTOMATIC, GUIDES, SMOOTH, Source, parse_guidance
 from .pins import parse_pins
 from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, default_of, records, setting
 from .solver import SURFACES, SolverSettings
@@ -64,10 +64,10 @@ class SurfaceSettings(SolverSettings):
         group="directions",
     )
     guidance: str = _direction_setting(
-        "smooth",
+        AUTOMATIC,
         "Guidance",
-        "What the directions follow: smooth, or guides KIND:NAME=STRENGTH separated by commas; "
-        f"kinds: {', '.join(GUIDES)}",
+        "What the directions follow: automatic (curvature for quad meshes without constraints, else smooth), smooth, or "
+        f"guides KIND:NAME=STRENGTH separated by commas; kinds: {', '.join(GUIDES)}",
         placeholder="SPEC",
     )
     angle: float = _direction_setting(
@@ -244,6 +244,9 @@ class SurfaceSettings(SolverSettings):
         """The settings that count for a command, with its own defaults; SettingError for what it cannot do."""
         shares = {name: share for name, share in default_shares(command).items() if getattr(self, name) is None}
         settings = replace(self, **shares)
+        if settings.guidance == AUTOMATIC:
+            is_free = command == "quad_mesh" and not settings.all_constraints
+            settings = replace(settings, guidance="curvature-max" if is_free else SMOOTH)
         if command == "directions":
             return replace(settings, spacing=None, spacing_map="", branching=None)
         if command not in QUADS:
@@ -293,7 +296,7 @@ class SurfaceSettings(SolverSettings):
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """The sources of guidance; empty for "smooth"."""
+        """The sources of guidance, see :func:`parse_guidance`."""
         return parse_guidance(self.guidance)
 
     @property

@@ -21,17 +21,18 @@ class PendingGuide:
     label : its name in errors
     compute : can be pickled
     share : factor of its weights
+    has_detail : whether ``compute`` takes ``detail``, the length over which the surface is smoothed
     """
 
     label: str
-    compute: Callable[[], Guide]
+    compute: Callable[..., Guide]
     share: float
+    has_detail: bool = False
 
-    @property
-    def weighted(self) -> tuple[Guide, float]:
+    def weighted(self, detail: float) -> tuple[Guide, float]:
         """The guide and its share; SettingError, with the guide's name, if it has no directions."""
         try:
-            return self.compute(), self.share
+            return self.compute(detail=detail) if self.has_detail else self.compute(), self.share
         except SettingError as error:
             raise SettingError(f"{self.label}: {error}") from None
 

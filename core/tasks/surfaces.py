@@ -194,7 +194,7 @@ class SurfaceRequest:
             return given_directions(mesh, symmetry, self.source.directions).turned(self.turn)
         start = None if self.start is None else self.start[0]
         with self._renumber_errors():
-            wishes = self._direction_wishes(tuple(guide.weighted for guide in self.source.guides))
+            wishes = self._direction_wishes(tuple(guide.weighted(self._side) for guide in self.source.guides))
             field: DirectionField = direction_field(
                 mesh, symmetry, wishes, self.options, progress, before, follower, start
             )
@@ -204,12 +204,16 @@ class SurfaceRequest:
 
     @property
     def _detail(self) -> float:
-        """Length over which curvature has to vary to turn the directions of a quad mesh: a share of a quad's side."""
+        """Length over which curvature has to vary to turn the directions of a quad mesh."""
+        return self.detail * self._side
+
+    @property
+    def _side(self) -> float:
+        """The side of a quad of a quad mesh, 0 for other patterns."""
         if self.command != "quad_mesh":
             return 0.0
         faces = self.settings.faces
-        side = np.sqrt(self.given.mesh.areas.sum() / faces) if faces else np.mean(self.spacings) / 2
-        return float(self.detail * side)
+        return float(np.sqrt(self.given.mesh.areas.sum() / faces) if faces else np.mean(self.spacings) / 2)
 
     def along(
         self,

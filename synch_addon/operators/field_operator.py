@@ -11,6 +11,7 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import Cancelled, SynchError
+from ...core.settings.guidance import AUTOMATIC
 from .. import api
 from ..blender.translations import operator_error, translate
 from ..jobs.job import run
@@ -263,8 +264,8 @@ class FieldOperator(ObjectOperator):
 
     guidance: StringProperty(
         name="Guidance",
-        description="smooth, or what the directions follow, such as curvature-max=2,axis:Z",
-        default="smooth",
+        description="automatic, smooth, or what the directions follow, such as curvature-max=2,axis:Z",
+        default=AUTOMATIC,
     )
 
     def invoke(self, context, event):

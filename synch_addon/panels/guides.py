@@ -4,7 +4,7 @@
 import bpy
 
 from ..blender.registration import register_all
-from ..settings.guide_list import NAME_PROPERTIES
+from ..settings.guide_list import NAME_PROPERTIES, UNGUIDED
 from .row_operators import RemoveRow, RowOperator
 
 TOOL = "synch.strokes"
@@ -45,7 +45,7 @@ def draw_guidance(column, stored):
         for number, guide in enumerate(stored.guides):
             _draw_row(column, guide, number)
         column.operator("synch.guide_add", icon="ADD")
-    elif stored.guidance != "SMOOTH":
+    elif stored.guidance not in UNGUIDED:
         _draw_name(column, stored.guide, stored.guidance)
         if stored.guidance != "ATTRIBUTE":  # taken exactly as it is
             column.prop(stored.guide, "strength")

@@ -13,17 +13,19 @@ from ..settings.fields import source_of
 
 # Settings of each direction: guidance and angle.
 _DIRECTIONS = {
+    "AUTOMATIC": ("AUTOMATIC", 0.0),
     "SMOOTH": ("SMOOTH", 0.0),
     "CURVATURE": ("CURVATURE_MIN", 0.0),
     "AXIS": ("AXIS", math.pi / 2),
     "STROKES": ("SMOOTH", 0.0),
 }
 _DIRECTION_ITEMS = (
-    ("SMOOTH", "Smoothest", "Lines that turn as little as the shape allows (the smoothest direction field)", 0),
-    ("CURVATURE", "Along Curvature", "Lines along ridges, where the surface bends least (principal directions)", 1),
-    ("AXIS", "Around an Axis", "Rings around an axis of the object", 2),
-    ("STROKES", "Strokes", "Lines that you draw on the surface", 3),
-    ("OTHER", "Other Guides", "The guides of the box Guide under Advanced", 4),
+    ("AUTOMATIC", "Automatic", "Smoothest, but along curvature for quad meshes without strokes", 0),
+    ("SMOOTH", "Smoothest", "Lines that turn as little as the shape allows (the smoothest direction field)", 1),
+    ("CURVATURE", "Along Curvature", "Lines along ridges, where the surface bends least (principal directions)", 2),
+    ("AXIS", "Around an Axis", "Rings around an axis of the object", 3),
+    ("STROKES", "Strokes", "Lines that you draw on the surface", 4),
+    ("OTHER", "Other Guides", "The guides of the box Guide under Advanced", 5),
 )
 _KIND_ITEMS = (
     ("stripes", "Stripes", "Even stripes over the surface", "MOD_WAVE", 0),

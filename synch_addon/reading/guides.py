@@ -34,12 +34,15 @@ def read_guides(obj, given, symmetry, sources):
     symmetry : "vector", "line" or "cross"
     sources : tuple of Source
     """
-    return tuple(PendingGuide(s.label, _pending(obj, given, symmetry, s), s.share) for s in sources)
+    return tuple(
+        PendingGuide(source.label, _pending(obj, given, symmetry, source), source.share, source.is_of_curvature)
+        for source in sources
+    )
 
 
 def _pending(obj, given, symmetry, source):
     mesh, kind, name = given.mesh, source.kind, source.name
-    if kind.startswith("curvature"):
+    if source.is_of_curvature:
         _refuse_unequal(source, 2, symmetry)
         return partial(curvature_guide, mesh, largest=kind == "curvature-max")
     if kind in ("gradient", "contour"):

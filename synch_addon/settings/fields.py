@@ -6,7 +6,6 @@ from bpy.props import (
     BoolProperty,
     BoolVectorProperty,
     CollectionProperty,
-    EnumProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -18,7 +17,7 @@ from ..blender.registration import register_all
 from ..blender.translations import OURS
 from .constraint_list import SynchConstraint
 from .favourite_list import SynchFavourite
-from .guide_list import GUIDE_ITEMS, SynchGuide, stored_guidance
+from .guide_list import GUIDANCE, SynchGuide, stored_guidance
 from .rna import properties_of, property_of, settings_of
 
 _RECORDS = dict(records(SurfaceSettings))
@@ -47,16 +46,7 @@ _StoredMeshProperties = properties_of(
 class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.PropertyGroup):
     """Settings of an object, kept in the file."""
 
-    guidance: EnumProperty(
-        name="Guidance",
-        description="What the directions follow",
-        items=[
-            ("SMOOTH", "Smoothest", "The field that turns least over the surface"),
-            *GUIDE_ITEMS,
-            ("BLEND", "Blend", "Several guides, each with a strength"),
-        ],
-        default="SMOOTH",
-    )
+    guidance: GUIDANCE
     guide: PointerProperty(name="Guide", description="The only guide", type=SynchGuide)
     guides: CollectionProperty(name="Guides", description="The guides of a blend", type=SynchGuide)
     automatic_spacing: BoolProperty(

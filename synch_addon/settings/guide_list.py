@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from ...core.settings.guidance import AXES, BOUNDARY, GUIDES, Source
+from ...core.settings.guidance import AUTOMATIC, AXES, BOUNDARY, GUIDES, SMOOTH, Source
 from ..blender.registration import register_all
 from .rna import identifier_of
 from .suggestions import suggest_numbers, suggest_origins, suggest_uv_maps, suggest_vectors
@@ -13,6 +13,22 @@ _KINDS = {identifier_of(kind): kind for kind in GUIDES}
 # The property with a guide's name, for each kind of guide that has one.
 NAME_PROPERTIES = {identifier_of(kind): guide.names for kind, guide in GUIDES.items() if guide.names}
 GUIDE_ITEMS = [(identifier_of(kind), guide.label, guide.tip) for kind, guide in GUIDES.items()]
+# Values of an object's guidance without a guide, and all of them. Files keep numbers: one that no guide will have.
+UNGUIDED, _NUMBER = (AUTOMATIC.upper(), SMOOTH.upper()), 100
+_ITEMS = (
+    (SMOOTH.upper(), "Smoothest", "The field that turns least over the surface"),
+    *GUIDE_ITEMS,
+    ("BLEND", "Blend", "Several guides, each with a strength"),
+)
+GUIDANCE = EnumProperty(
+    name="Guidance",
+    description="What the directions follow",
+    items=[
+        (AUTOMATIC.upper(), "Automatic", "Quad meshes follow curvature, others turn least", "NONE", _NUMBER),
+        *((*item, "NONE", number) for number, item in enumerate(_ITEMS)),
+    ],
+    default=AUTOMATIC.upper(),
+)
 
 AXIS = EnumProperty(
     name="Axis",
@@ -56,10 +72,10 @@ class SynchGuide(bpy.types.PropertyGroup):
 
 def stored_guidance(stored):
     """The guidance as text, from an object's settings. Raises SettingError when a guide lacks its name."""
-    if stored.guidance == "SMOOTH":
-        return "smooth"
+    if stored.guidance in UNGUIDED:
+        return stored.guidance.lower()
     if stored.guidance == "BLEND":
-        return ",".join(str(guide.source(guide.kind, guide.strength)) for guide in stored.guides) or "smooth"
+        return ",".join(str(guide.source(guide.kind, guide.strength)) for guide in stored.guides) or SMOOTH
     exact = stored.guidance == "ATTRIBUTE"
     return str(stored.guide.source(stored.guidance, None if exact else stored.guide.strength))
 

@@ -107,9 +107,9 @@ def vectors_guide(mesh: TriangleMesh, vectors: ArrayLike) -> Guide:
     return guide
 
 
-def curvature_guide(mesh: TriangleMesh, largest: bool = True) -> Guide:
-    """The line of largest or smallest principal curvature, with the weights of :func:`principal_directions`."""
-    squares, weights = principal_directions(mesh, 2, largest=largest)
+def curvature_guide(mesh: TriangleMesh, largest: bool = True, detail: float = 0.0) -> Guide:
+    """The line of largest or smallest principal curvature; arguments and weights as :func:`principal_directions`."""
+    squares, weights = principal_directions(mesh, 2, largest, detail)
     return Guide(np.angle(squares) / 2, weights)
 
 

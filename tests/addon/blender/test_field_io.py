@@ -106,7 +106,7 @@ def test_import_is_undone(tmp_path):
     api.directions(obj)
     api.export_field(obj, path, "line")
     obj.data.attributes.remove(obj.data.attributes["synch_direction"])
-    assert obj.synch.guidance == "SMOOTH"
+    assert obj.synch.guidance == "AUTOMATIC"
     undo_and_redo(
         lambda: bpy.ops.synch.import_field(filepath=str(path)),
         lambda: (snapshot(), bpy.context.active_object.synch.guidance),

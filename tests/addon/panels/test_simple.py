@@ -94,6 +94,7 @@ def test_a_direction_is_what_the_settings_say():
     obj = sphere()
     simple, stored = obj.synch_simple, obj.synch
     asked = {
+        "AUTOMATIC": ("automatic", 0.0),
         "SMOOTH": ("smooth", 0.0),
         "CURVATURE": ("curvature-min=1", 0.0),
         "AXIS": ("axis:Z=1", math.pi / 2),

@@ -11,7 +11,7 @@ from synch_fields.core.settings.guidance import Source, parse_guidance
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, stored_guidance
+from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, UNGUIDED, stored_guidance
 
 from ..run_commands import WAYS, add_weights, solve
 from ..scenes import (
@@ -184,6 +184,7 @@ def test_curvature_counts_by_its_square_and_an_axis_by_its_share_of_the_area():
     "text, expected",
     [
         ("smooth", ()),
+        ("automatic", ()),
         (" curvature-max = 2", None),
         ("curvature-max=2,axis:Z", (Source("curvature-max", "", 2.0), Source("axis", "Z"))),
         ("gradient: two words , uv-u", (Source("gradient", "two words"), Source("uv-u"))),
@@ -201,8 +202,24 @@ def test_guidance_is_read(text, expected):
         assert parse_guidance(",".join(map(str, expected)) or "smooth") == expected
 
 
+@pytest.mark.parametrize(
+    ("command", "settings", "expected"),
+    [
+        ("quad_mesh", {}, "curvature-max"),
+        ("quad_mesh", {"guidance": "smooth"}, "smooth"),
+        ("quad_mesh", {"boundary": "along"}, "smooth"),
+        ("quad_mesh", {"constraints": [{"where": "seams", "what": "along"}]}, "smooth"),
+        ("quads", {}, "smooth"),
+        ("stripes", {}, "smooth"),
+        ("stripes", {"guidance": "axis:Z"}, "axis:Z"),
+    ],
+)
+def test_without_a_guide_quad_meshes_follow_curvature_where_nothing_else_is_asked_for(command, settings, expected):
+    assert SurfaceSettings(**settings).for_command(command).guidance == expected
+
+
 REFUSED = {
-    "": "the guidance '' is unknown: use one of smooth, curvature-max",
+    "": "the guidance '' is unknown: use one of automatic, smooth, curvature-max",
     "wind": "the guidance 'wind' is unknown: use one of smooth",
     "axis:Z,": "the guidance '' is unknown",
     "smooth,axis:Z": "smooth stands alone: leave it out",
@@ -279,6 +296,7 @@ def test_lines_cannot_guide_vectors(guidance):
 def test_the_panels_guide_is_what_the_button_follows():
     obj = furnished_grid()
     expected = {
+        "AUTOMATIC": "automatic",
         "SMOOTH": "smooth",
         "CURVATURE_MAX": "curvature-max=1",
         "CURVATURE_MIN": "curvature-min=1",
@@ -292,7 +310,7 @@ def test_the_panels_guide_is_what_the_button_follows():
         "ATTRIBUTE": "attribute:wish",
         "FILE": "file:field.rosy=1",
     }
-    assert set(expected) == {"SMOOTH", *(name for name, *_ in GUIDE_ITEMS)}
+    assert set(expected) == {*UNGUIDED, *(name for name, *_ in GUIDE_ITEMS)}
     guide = obj.synch.guide
     guide.numbers, guide.origin, guide.axis = "slope", "left, side", "Y"
     guide.vectors, guide.path = "wish", "field.rosy"

@@ -119,6 +119,22 @@ def test_the_weight_is_mass_times_curvature_squared(radius):
     np.testing.assert_allclose(weights[inside].sum(), mesh.vertex_masses[inside].sum() / radius**2, rtol=0.1)
 
 
+@pytest.mark.parametrize("detail", [0.2, 0.5])
+def test_details_of_curvature_fade_as_diffusion_says(detail):
+    """Of a tube of radius 1 with ripples cos(k z) in its radius, whose curvature -k^2 cos(k z) is in the axis."""
+    height, size, number = 4.0, 0.002, 2 * np.pi / 0.8
+    tube = cylinder(radius=1.0, height=height, segments=96, rows=80)
+    heights = tube.vertices[:, 2]
+    rippled = tube.vertices * np.column_stack([1 + size * np.cos(number * heights)] * 2 + [np.ones(len(heights))])
+    mesh = TriangleMesh(rippled, tube.triangles)
+    inside = np.abs(heights - heights.mean()) < height / 2 - 2 * detail - 0.1
+    found = [np.sqrt(principal_directions(mesh, 2, detail=length)[1] / mesh.vertex_masses) for length in (0.0, detail)]
+    shapes = np.column_stack([np.ones(inside.sum()), np.cos(number * heights[inside])])
+    (mean, wave), (smooth_mean, smooth_wave) = (np.linalg.lstsq(shapes, part[inside])[0] for part in found)
+    assert smooth_wave / wave == pytest.approx(1 / (1 + (detail * number) ** 2), rel=0.1)
+    assert (mean, smooth_mean) == pytest.approx((1, 1), rel=0.02)
+
+
 def test_curvature_of_a_torus():
     mesh = torus(large=1.0, small=0.35, around=48, across=24)
     centre = radial(mesh) * 1.0
