@@ -37,6 +37,8 @@ class FieldJob:
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
             self._refinement, read = refinement_of(command, obj, settings)
+            if self._refinement is not None:
+                settings = replace(settings, mirror=self._refinement.mirror)
             with solved_object(obj, self._refinement) as surface:
                 self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
                 settings = self._report.settings = replace(settings, pins=self._pins)

@@ -3,12 +3,12 @@
 
 import hashlib
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
 
-from ...core.errors import SynchError
+from ...core.errors import AsymmetryError, SynchError
 from ...core.refinement import BoundSurface
 from ...core.refinement.spacing import finer_copy, is_fine
 from ..blender import attributes, meshes
@@ -27,12 +27,14 @@ class Refinement:
     is_seen : whether it is of that
     state : what tells the mesh that it was made for from others, see :func:`state_of`
     source_vertices : how many vertices it is bound to
+    mirror : axes of the pattern's mirror: those asked for, or where a quad mesh has none, those of modifiers
     """
 
     bound: BoundSurface
     is_seen: bool
     state: str
     source_vertices: int
+    mirror: str
 
     @property
     def figures(self):
@@ -62,7 +64,20 @@ def refinement_of(command, obj, settings):
         state, count = state_of(obj), len(source.data.vertices)
         given = read.surface(settings.strict)
         factors = read_spacing_map(source, given, settings)
-        return Refinement(finer_copy(command, read, edges, given, settings, factors), is_seen, state, count), None
+        modifiers = _mirrored_by_modifiers(obj) if command == "quad_mesh" and is_seen else ""
+        for mirror in dict.fromkeys((settings.mirror or modifiers, settings.mirror)):
+            try:
+                bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors)
+                return Refinement(bound, is_seen, state, count, mirror), None
+            except AsymmetryError:
+                if mirror == settings.mirror:
+                    raise
+
+
+def _mirrored_by_modifiers(obj):
+    """The axes, such as "XY", in which modifiers mirror an object; later ones may spoil that."""
+    found = [one for one in foreign_modifiers(obj) if one.type == "MIRROR" and one.mirror_object is None]
+    return "".join(axis for number, axis in enumerate("XYZ") if any(one.use_axis[number] for one in found))
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.reading.surface import gather
 
-from ..quad_meshes import made_from
+from ..quad_meshes import edited, made_from
 from ..scenes import add_curve, set_numbers, sphere
 
 
@@ -155,6 +155,22 @@ def test_a_mirrored_mesh_is_its_own_image_face_by_face(build, axes):
     for axis in axes:
         assert_own_image(made, "XYZ".index(axis))
     assert report["quad_mesh"]["euler_characteristic"] == 2 and report["quad_mesh"]["quad_share"] == 1
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("after", [None, "ARRAY"])
+def test_what_a_modifier_mirrors_is_mirrored_unless_another_one_spoils_it(after):
+    obj = object_of(bevelled)
+    with edited(obj) as mesh:
+        left = [face for face in mesh.faces if face.calc_center_median().x < 0]
+        bmesh.ops.delete(mesh, geom=left, context="FACES")
+    obj.modifiers.new("Mirror", "MIRROR")
+    if after is not None:
+        obj.modifiers.new("After", after).use_relative_offset = True
+    made, report = made_from(obj, faces=300, surface="seen")
+    assert report["settings"]["mirror"] == ("X" if after is None else "")
+    if after is None:
+        assert_own_image(made, 0)
 
 
 @pytest.mark.parametrize("smoothing", [0, 10])

@@ -220,7 +220,7 @@ def test_without_a_guide_quad_meshes_follow_curvature_where_nothing_else_is_aske
 
 REFUSED = {
     "": "the guidance '' is unknown: use one of automatic, smooth, curvature-max",
-    "wind": "the guidance 'wind' is unknown: use one of smooth",
+    "wind": "the guidance 'wind' is unknown: use one of automatic, smooth",
     "axis:Z,": "the guidance '' is unknown",
     "smooth,axis:Z": "smooth stands alone: leave it out",
     "gradient": "the guidance gradient has no name: write gradient: and a float attribute or vertex group",
