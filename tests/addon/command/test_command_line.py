@@ -215,7 +215,7 @@ FAILURES = {
     "wrong output": (["stripes", "BALL", "--output", "out.obj"], "must end in .blend"),
     "output in a file": (["stripes", "BALL", "--output", "/dev/null/out.blend"], "cannot be written"),
     "wrong picture": (["stripes", "BALL", "--render", "out.jpg"], "must end in .png"),
-    "unknown guidance": (["stripes", "BALL", "--guidance", "wind"], "use one of smooth"),
+    "unknown guidance": (["stripes", "BALL", "--guidance", "wind"], "use one of automatic, smooth"),
     "negative seed": (["directions", "BALL", "--seed", "-4"], "the seed is -4"),
     "target gap": (["directions", "BALL", "--target-gap", "2"], "target gap is 2"),
     "time limit": (["directions", "BALL", "--time-limit", "0"], "time limit is 0"),
