@@ -236,6 +236,39 @@ def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
     assert "\n" not in refusal(tmp_path / "bad.h5")
 
 
+@pytest.mark.parametrize("order", ["xyz", "zyx"])
+def test_axes_without_names_are_those_along_which_the_flow_does_not_diverge(tmp_path, order):
+    """An eddy without sources in a cube, whose sizes tell nothing; its spacing is an array of its own."""
+    h5py = pytest.importorskip("h5py")
+    x, y, z = np.meshgrid(*[np.linspace(0, 2, 9)] * 3, indexing="ij")
+    eddy = np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y), 0.3 * np.cos(x + y)], axis=-1)
+    with h5py.File(tmp_path / "eddy.h5", "w") as file:
+        for axis, part in zip("uvw", np.moveaxis(eddy, 3, 0), strict=True):
+            file[axis] = part if order == "xyz" else part.transpose(2, 1, 0)
+        file["dx"] = [[0.5, 0.25, 0.125]]
+    flow = flow_file(tmp_path / "eddy.h5").read()
+    check(flow, eddy, (9, 9, 9), (0.5, 0.25, 0.125), (0, 0, 0))
+    assert not flow.warnings
+
+
+def test_netcdf_dimensions_without_coordinates_are_none_in_hdf5_too(tmp_path):
+    """As the Weather Research and Forecasting model writes its staggered winds: a dimension is an array of zeros."""
+    h5py = pytest.importorskip("h5py")
+    sides = {"west_east": 5, "south_north": 6, "bottom_top": 7}
+    with h5py.File(tmp_path / "wrf.nc", "w") as file:
+        for name, count in [*sides.items(), *((f"{name}_stag", count + 1) for name, count in sides.items())]:
+            file[name] = np.zeros(count)
+            file[name].make_scale(f"This is a netCDF dimension but not a netCDF variable. {count:>9}")
+        for letter, along in zip("UVW", sides, strict=True):
+            names = [name + "_stag" * (name == along) for name in reversed(sides)]
+            variable = file.create_dataset(letter, data=np.zeros([1, *(len(file[name]) for name in names)]))
+            for dimension, name in enumerate(names, 1):
+                variable.dims[dimension].attach_scale(file[name])
+    flow = flow_file(tmp_path / "wrf.nc").read()
+    check(flow, np.zeros((5, 6, 7, 3)), spacing=(1, 1, 1), origin=(0, 0, 0))
+    assert flow.warnings == ("distances are counted in nodes, as the file has no coordinates along x, y and z",)
+
+
 # Other libraries
 
 
