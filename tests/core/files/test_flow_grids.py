@@ -42,6 +42,13 @@ def test_images_of_cells_are_a_grid_of_their_middles(tmp_path):
     check(flow, origin=np.array(ORIGIN) + 0.5 * np.array(SPACING))
 
 
+def test_vectors_of_cells_are_found_beside_numbers_of_points(tmp_path):
+    path = vti(tmp_path / "flow.vti", {"U": VELOCITY}, where="CellData")
+    numbers = b'<PointData><DataArray type="UInt8" Name="vtkGhostType" format="ascii"/></PointData>'
+    path.write_bytes(path.read_bytes().replace(b"<CellData>", numbers + b"<CellData>"))
+    check(flow_file(path).read(), origin=np.array(ORIGIN) + 0.5 * np.array(SPACING))
+
+
 def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
     parts = {f"vel_{axis}": VELOCITY[..., k] for k, axis in enumerate("xyz")}
     check(flow_file(vti(tmp_path / "parts.vti", parts)).read())
@@ -240,7 +247,7 @@ def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
 def test_axes_without_names_are_those_along_which_the_flow_does_not_diverge(tmp_path, order):
     """An eddy without sources in a cube, whose sizes tell nothing; its spacing is an array of its own."""
     h5py = pytest.importorskip("h5py")
-    x, y, z = np.meshgrid(*[np.linspace(0, 2, 9)] * 3, indexing="ij")
+    x, y, _ = np.meshgrid(*[np.linspace(0, 2, 9)] * 3, indexing="ij")
     eddy = np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y), 0.3 * np.cos(x + y)], axis=-1)
     with h5py.File(tmp_path / "eddy.h5", "w") as file:
         for axis, part in zip("uvw", np.moveaxis(eddy, 3, 0), strict=True):
