@@ -92,14 +92,11 @@ def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridF
         if "gridSpacing" not in _grid_of(first) and _own_spacing(arrays) is None:
             warnings += ("distances are counted in nodes, as the file has no coordinates along x, y and z",)
     extra = [n for n in numbers if n.lower() in (*SOLIDS, *MASKS) and arrays[n].shape[-3:] == shape]
-    check_promise(path, 24 * math.prod(shape) * (3 + len(extra)))
-    order = _order(first, arrays, space)
-    if order is not None:
-        components = _components([arrays[name] for name in chosen], arrays, order, axis)
-    else:  # that of least divergence, as a flow has none: usually z, y, x
-        both = [([arrays[name] for name in chosen], arrays, order, axis) for order in ([2, 1, 0], [0, 1, 2])]
-        candidates = [(_components(*given), given[2]) for given in both]
-        components, order = min(candidates, key=lambda candidate: _divergence(candidate[0]))
+    known = _order(first, arrays, space)
+    orders = ([2, 1, 0], [0, 1, 2]) if known is None else (known,)  # usually z, y, x
+    check_promise(path, 24 * math.prod(shape) * (3 + len(extra)) * len(orders))
+    found = [(_components([arrays[name] for name in chosen], arrays, order, axis), order) for order in orders]
+    components, order = found[0] if len(found) == 1 else min(found, key=lambda one: _divergence(one[0]))
     return resample_evenly(components, {n: _placed(arrays[n], arrays, order) for n in extra}, is_curl, warnings)
 
 
@@ -126,10 +123,11 @@ def _divergence(components: list[Placed]) -> float:
     """The sum of a flow's absolute divergence over the nodes that all components have."""
     shape = np.min([values.shape for values, _ in components], axis=0)
     within = tuple(map(slice, shape))
-    slopes = [
-        np.gradient(values[within], places[axis][: shape[axis]], axis=axis)
-        for axis, (values, places) in enumerate(components)
-    ]
+    with np.errstate(all="ignore"):  # coordinates that do not increase are refused later
+        slopes = [
+            np.gradient(values[within], places[axis][: shape[axis]], axis=axis)
+            for axis, (values, places) in enumerate(components)
+        ]
     return float(np.nansum(np.abs(np.sum(slopes, axis=0))))
 
 
