@@ -199,7 +199,7 @@ def _by_meshio(path: Path, attribute: str) -> SampledFlow:
 
     mesh = meshio.read(path)
     data, points = mesh.point_data, mesh.points
-    if not data:
+    if not _has_vectors({name: math.prod(array.shape[1:]) for name, array in data.items()}):
         data = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
         points = np.concatenate([mesh.points[block.data].mean(axis=1) for block in mesh.cells])
     vectors, is_curl, warnings = _vectors(path, data, attribute)

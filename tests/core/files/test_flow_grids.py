@@ -308,6 +308,22 @@ def test_flows_on_other_meshes_are_sampled(tmp_path, library, suffix, monkeypatc
     assert np.isfinite(flow.integrals(grid)).all()
 
 
+@pytest.mark.parametrize("library", ["pyvista", "meshio"])
+def test_vectors_of_cells_are_found_beside_numbers_of_a_mesh(tmp_path, library, monkeypatch):
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.ImageData(dimensions=(9, 9, 9), spacing=(0.25,) * 3, origin=(-1,) * 3).cast_to_structured_grid()
+    mesh = mesh.cast_to_unstructured_grid()  # of hexahedra, as meshio knows no voxels
+    mesh.point_data["vtkGhostType"] = np.zeros(mesh.n_points, np.uint8)
+    mesh.cell_data["U"] = np.cross([0, 0, 1], mesh.cell_centers().points)
+    mesh.save(tmp_path / "flow.vtu")
+    if library == "meshio":
+        pytest.importorskip("meshio")
+        monkeypatch.setitem(__import__("sys").modules, "pyvista", None)
+    flow = flow_file(tmp_path / "flow.vtu").read()
+    places = np.array([[0.25, 0.5, 0.25], [-0.5, 0.25, 0.5]])
+    np.testing.assert_allclose(flow.sample(places), np.cross([0, 0, 1], places), atol=1e-6)
+
+
 @pytest.mark.parametrize(("library", "name", "solid"), [("pyvista", "Mask", 0), ("meshio", "obstacle", 1)])
 def test_masks_of_meshes_are_solid_where_these_are_sampled(tmp_path, library, name, solid, monkeypatch):
     pyvista = pytest.importorskip("pyvista")
