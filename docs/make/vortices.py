@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 
-from synch_fields.bench.clebsch import CUTS, FINER, cut_rows, finer_rows
+from synch_fields.bench.clebsch import CUTS, cut_rows, finer_rows
 from synch_fields.bench.command import arguments
 from synch_fields.bench.flows import abc, jet
 from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
@@ -32,7 +32,7 @@ from synch_fields.synch_addon.nodes.stripes import STRIPES_NAME
 NODES_OF_KNOT = 40
 # Where all of a knot is seen from, and a surface without highlights, which would show every triangle.
 FROM_ABOVE, MATT = (10, 84), (0.85, 0.2)
-SMALL, FINER_SIZE, SAMPLES = (330, 290), (550, 480), 16
+SMALL, SAMPLES = (330, 290), 16
 # Figure 7: quanta of the disk, nodes and half the side of the plane, colours of the points on the globe.
 DISK_QUANTA, NODES, HALF = 5, 120, 1.6
 COLORS = ((1.0, 0.25, 0.05, 1), (1.0, 0.75, 0.05, 1), (0.75, 0.1, 0.75, 1), (0.05, 0.75, 0.75, 1))
@@ -57,28 +57,22 @@ def main():
 
 
 def figure5(place):
-    """Filaments and tubes of the knot at five circulations, filaments at three smaller ones, and the tables."""
+    """Filaments and tubes of the knot at five circulations, and the tables of these and of smaller ones."""
     bpy.ops.wm.read_homefile(use_empty=True)
     source = save_trefoil(place.folder, NODES_OF_KNOT)
-    sheets = [place.folder / "filaments.png", place.folder / "tubes.png"]
-    beside(cut_pictures(source, "filaments", CUTS, SMALL), sheets[0], labels=[f"quanta: {cut}" for cut in CUTS])
-    beside(cut_pictures(source, "tubes", CUTS, SMALL), sheets[1])
+    sheets = []
+    for show in ("filaments", "tubes"):
+        pictures = []
+        for cut in CUTS:
+            report = clebsch(source, quantum=2 * np.pi * QUANTA / cut, show=show, opening=95, smoothing=4)
+            obj = bpy.data.objects[report["object"]]
+            obj = in_hues(obj) if show == "tubes" else obj
+            picture = place.folder / f"{show}{cut}.png"
+            pictures.append(render_picture(obj, picture, resolution=SMALL, samples=SAMPLES, view=FROM_ABOVE))
+        sheets.append(place.folder / f"{show}.png")
+        beside(pictures, sheets[-1], labels=() if len(sheets) > 1 else [f"quanta: {cut}" for cut in CUTS])
     beside(sheets, place.picture, vertical=True)
-    finer = cut_pictures(source, "filaments", FINER, FINER_SIZE)
-    beside(finer, place.picture.with_stem("figure5_finer"), labels=[f"quanta: {cut}" for cut in FINER])
     return {"energies": cut_rows(NODES_OF_KNOT), "finer": finer_rows(NODES_OF_KNOT)}
-
-
-def cut_pictures(source, show, cuts, size):
-    """Pictures of the knot at several circulations, in the source's folder."""
-    pictures = []
-    for cut in cuts:
-        report = clebsch(source, quantum=2 * np.pi * QUANTA / cut, show=show, opening=95, smoothing=4)
-        obj = bpy.data.objects[report["object"]]
-        obj = in_hues(obj) if show == "tubes" else obj
-        picture = source.with_name(f"{show}{cut}.png")
-        pictures.append(render_picture(obj, picture, resolution=size, samples=SAMPLES, view=FROM_ABOVE))
-    return pictures
 
 
 def knot(_options, folder, path):

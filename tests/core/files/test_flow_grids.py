@@ -9,6 +9,7 @@ from scipy.io import netcdf_file
 from synch_fields.core.errors import SynchError
 from synch_fields.core.files.flows import flow_file
 from synch_fields.core.files.regular_flows import GridFlow
+from synch_fields.core.files.volumes import choose_flow
 
 from .flow_writers import AXES, ORIGIN, SHAPE, SPACING, UVW, VELOCITY, hdf5, netcdf, vti, vtk_mesh
 
@@ -77,6 +78,21 @@ def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
 def test_components_differ_in_one_letter_or_digit(tmp_path, name, axes):
     parts = {name.format(axis): VELOCITY[..., k] for k, axis in enumerate(axes)}
     check(flow_file(vti(tmp_path / "parts.vti", parts)).read())
+
+
+@pytest.mark.parametrize(
+    ("vectors", "numbers", "chosen"),
+    [
+        (["vel"], ["density", "temperature"], ("vel",)),  # Houdini, Pyro
+        (["rest", "v"], ["density"], ("v",)),  # Houdini, geometry
+        ([], ["density", "vel.x", "vel.y", "vel.z"], ("vel.x", "vel.y", "vel.z")),  # Houdini, not merged
+        (["velocity"], ["density", "heat", "flame"], ("velocity",)),  # Mantaflow
+        (["Velocity"], ["density", "flames", "temperature"], ("Velocity",)),  # a capital
+        (["color"], ["velocity_x", "velocity_y", "velocity_z"], ("velocity_x", "velocity_y", "velocity_z")),
+    ],
+)
+def test_velocities_are_found_by_the_names_that_simulators_give_them(vectors, numbers, chosen):
+    assert choose_flow("flow.vdb", vectors, numbers, "velocity") == (chosen, False, ())
 
 
 def test_numbers_that_are_no_components_are_refused(tmp_path):
