@@ -60,11 +60,7 @@ def main(nodes):
         found = clebsch_map(grid, integrals, quantum_for(grid, integrals, count))
         rows.append({"label": f"{count} wished", "h": found.quantum / TURN, "energy": found.energy} | row(found))
     print_table("Filaments wished through the plane with most vorticity", COUNTS, rows)
-    rows = []
-    for cut in FINER:
-        found = clebsch_map(grid, integrals, TURN * QUANTA / cut)
-        rows.append({"label": f"{cut} quanta", "h": found.quantum / TURN, "energy": found.energy} | row(found))
-    print_table("More quanta", COUNTS, rows)
+    print_table("More quanta", COUNTS, finer_rows(nodes))
 
 
 def cut_rows(nodes):
@@ -85,6 +81,16 @@ def cut_rows(nodes):
         if (np.diff(ordered) < -1e-6 * ordered[0]).any():
             raise SystemExit(f"out of order at {cut} quanta: {ordered}")
     return rows
+
+
+def finer_rows(nodes):
+    """Rows of the third table."""
+    _, grid, integrals = _flow(nodes)
+    maps = {cut: clebsch_map(grid, integrals, TURN * QUANTA / cut) for cut in FINER}
+    return [
+        {"label": f"{cut} quanta", "h": found.quantum / TURN, "energy": found.energy} | row(found)
+        for cut, found in maps.items()
+    ]
 
 
 def _flow(nodes):

@@ -2,7 +2,8 @@
 """Flows in NetCDF and HDF5: version 3 of NetCDF by SciPy, version 4 and HDF5 by h5py.
 
 The axes of arrays are those that their dimensions are named after, or where these have no such names that coordinates
-of their own lengths belong to; otherwise z, y, x, as usual in these formats.
+of their own lengths belong to; otherwise z, y, x, as usual in these formats, or x, y, z where the flow has less
+divergence so.
 """
 
 import importlib
@@ -52,11 +53,17 @@ def read_arrays(path: Path, attribute: str) -> GridFlow:
             file = stack.enter_context(h5py.File(path, "r"))
             names: list[str] = []
             file.visit(names.append)
-            names = [name for name in names if hasattr(file[name], "shape")]
+            names = [name for name in names if hasattr(file[name], "shape") and not _is_bare_dimension(file[name])]
             bare = [_bare(name, file[name].shape) for name in names]
             shorts = [short if bare.count(short) == 1 else name for name, short in zip(names, bare, strict=True)]
             arrays = {short: file[name] for name, short in zip(names, shorts, strict=True)}
         return _flow_of_arrays(path, arrays, attribute)
+
+
+def _is_bare_dimension(array: Any) -> bool:
+    """Whether NetCDF wrote an array for a dimension alone, which has a length and no coordinates."""
+    note = array.attrs.get("NAME", b"")
+    return isinstance(note, bytes) and note.startswith(b"This is a netCDF dimension but not a netCDF variable")
 
 
 def _bare(name: str, shape: tuple[int, ...]) -> str:
@@ -81,23 +88,47 @@ def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridF
         warnings += (f"of {steps[0]} times the first one is shown: save the others as files of their own",)
     if any(_begins(name, _DEGREES) for name in names):
         warnings += ("x, y and z are longitude, latitude and level as the file counts them, and so are circulations",)
+    elif not (any(name in arrays for name in names) or any(_axis(arrays, axis) is not None for axis in _COORDINATES)):
+        if "gridSpacing" not in _grid_of(first) and _own_spacing(arrays) is None:
+            warnings += ("distances are counted in nodes, as the file has no coordinates along x, y and z",)
     extra = [n for n in numbers if n.lower() in (*SOLIDS, *MASKS) and arrays[n].shape[-3:] == shape]
-    check_promise(path, 24 * math.prod(shape) * (3 + len(extra)))
+    known = _order(first, arrays, space)
+    orders = ([2, 1, 0], [0, 1, 2]) if known is None else (known,)  # usually z, y, x
+    check_promise(path, 24 * math.prod(shape) * (3 + len(extra)) * len(orders))
+    found = [(_components([arrays[name] for name in chosen], arrays, order, axis), order) for order in orders]
+    components, order = found[0] if len(found) == 1 else min(found, key=lambda one: _divergence(one[0]))
+    return resample_evenly(components, {n: _placed(arrays[n], arrays, order) for n in extra}, is_curl, warnings)
+
+
+def _components(chosen: list[Any], arrays: dict[str, Any], order: list[int], axis: int | None) -> list[Placed]:
+    """Three components of an array of vectors, whose axis of components is given, or of an array for each, with 0 for a
+    third one; SettingError where their sizes do not fit."""
     if axis is not None:
-        values, places = _placed(first, arrays, axis)
-        components = [(values[..., k], places) for k in range(3)]
-    else:
-        components = [_placed(arrays[name], arrays) for name in chosen]
-        for axis, (values, places) in enumerate(components):
-            other_values, other_places = components[axis - 1]
-            is_longer = values.shape[axis] == other_values.shape[axis] + 1
-            if is_longer and places[axis][0] == other_places[axis][0]:  # on the sides of cells, without coordinates
-                places[axis] = places[axis] - 0.5 * (places[axis][1] - places[axis][0])
-        components += [(0 * components[0][0], components[0][1])] * (3 - len(components))
-        sizes = np.array([part.shape for part, _ in components])
-        if (np.ptp(sizes, axis=0) > 1).any():
-            raise SettingError("its components are on grids of different sizes: put them on one")
-    return resample_evenly(components, {n: _placed(arrays[n], arrays) for n in extra}, is_curl, warnings)
+        values, places = _placed(chosen[0], arrays, order, axis)
+        return [(values[..., k], places) for k in range(3)]
+    components = [_placed(array, arrays, order) for array in chosen]
+    for axis, (values, places) in enumerate(components):
+        other_values, other_places = components[axis - 1]
+        is_longer = values.shape[axis] == other_values.shape[axis] + 1
+        if is_longer and places[axis][0] == other_places[axis][0]:  # on the sides of cells, without coordinates
+            places[axis] = places[axis] - 0.5 * (places[axis][1] - places[axis][0])
+    components += [(0 * components[0][0], components[0][1])] * (3 - len(components))
+    sizes = np.array([part.shape for part, _ in components])
+    if (np.ptp(sizes, axis=0) > 1).any():
+        raise SettingError("its components are on grids of different sizes: put them on one")
+    return components
+
+
+def _divergence(components: list[Placed]) -> float:
+    """The sum of a flow's absolute divergence over the nodes that all components have."""
+    shape = np.min([values.shape for values, _ in components], axis=0)
+    within = tuple(map(slice, shape))
+    with np.errstate(all="ignore"):  # coordinates that do not increase are refused later
+        slopes = [
+            np.gradient(values[within], places[axis][: shape[axis]], axis=axis)
+            for axis, (values, places) in enumerate(components)
+        ]
+    return float(np.nansum(np.abs(np.sum(slopes, axis=0))))
 
 
 def _component_axis(name: str, shape: tuple[int, ...]) -> int | None:
@@ -114,29 +145,54 @@ def _space(array: Any, component: int | None) -> list[int]:
     return [axis for axis in range(len(array.shape)) if axis != component][-3:]
 
 
-def _placed(array: Any, arrays: dict[str, Any], component: int | None = None) -> Placed:
+def _order(array: Any, arrays: dict[str, Any], space: list[int]) -> list[int] | None:
+    """Which of an array's axes in space are x, y and z, by the names of its dimensions or the lengths of coordinates;
+    None where neither tells."""
+    names, shape = [_dimensions(array)[dim] for dim in space], tuple(array.shape[dim] for dim in space)
+    order = [next((k for k, name in enumerate(names) if _begins(name, begins)), -1) for begins in _DIMENSIONS]
+    if sorted(order) == [0, 1, 2]:
+        return order
+    coordinates = [_axis(arrays, wanted) for wanted in _COORDINATES]
+    lengths = tuple(None if axis is None else len(axis) for axis in coordinates)
+    if shape == shape[::-1]:
+        return None
+    return {shape: [0, 1, 2], shape[::-1]: [2, 1, 0]}.get(lengths)
+
+
+def _placed(array: Any, arrays: dict[str, Any], order: list[int], component: int | None = None) -> Placed:
     """The numbers of the first time step along x, y, z, and components behind these, with their coordinates."""
     space = _space(array, component)
     leading = space[0] - (component is not None and component < space[0])
     names, shape = [_dimensions(array)[dim] for dim in space], tuple(array.shape[dim] for dim in space)
-    coordinates = [_axis(arrays, wanted) for wanted in _COORDINATES]
-    lengths = tuple(None if axis is None else len(axis) for axis in coordinates)
-    order = [next((k for k, name in enumerate(names) if _begins(name, begins)), -1) for begins in _DIMENSIONS]
-    if sorted(order) != [0, 1, 2]:
-        order = [0, 1, 2] if lengths == shape != shape[::-1] else [2, 1, 0]
     values = _values(array, leading)
     if component is not None:
         values = np.moveaxis(values, component - leading, -1)
     values = np.moveaxis(values, order, [0, 1, 2])
-    of_grid = array.parent.attrs if hasattr(array, "parent") else {}  # of openPMD
-    spacing, origin = of_grid.get("gridSpacing", np.ones(3)), of_grid.get("gridGlobalOffset", np.zeros(3))
+    of_grid = _grid_of(array)
+    own_spacing = _own_spacing(arrays)
+    spacing = of_grid.get("gridSpacing", np.ones(3) if own_spacing is None else own_spacing[np.argsort(order)])
+    origin = of_grid.get("gridGlobalOffset", np.zeros(3))
     places = []
     for axis, number in enumerate(order):
-        own = arrays.get(names[number])
-        given = [along for along in (own, coordinates[axis]) if along is not None and along.shape == (shape[number],)]
+        own, usual = arrays.get(names[number]), _axis(arrays, _COORDINATES[axis])
+        given = [along for along in (own, usual) if along is not None and along.shape == (shape[number],)]
         even = origin[number] + spacing[number] * np.arange(shape[number])
         places.append(np.asarray(given[0][:], float) if given else even)
     return values, places
+
+
+def _own_spacing(arrays: dict[str, Any]) -> np.ndarray | None:
+    """(3,) distances of nodes along x, y and z by a small array of their own, None without one."""
+    found = next((arrays[name] for name in ("spacing", "dx") if name in arrays), None)
+    if found is None or math.prod(found.shape) not in (1, 3):
+        return None
+    numbers = np.asarray(found[...], float)
+    return np.broadcast_to(numbers.ravel(), 3) if np.isfinite(numbers).all() and (numbers > 0).all() else None
+
+
+def _grid_of(array: Any) -> Any:
+    """The attributes by which openPMD places an array's nodes, if there are any."""
+    return array.parent.attrs if hasattr(array, "parent") else {}
 
 
 def _dimensions(array: Any) -> list[str]:

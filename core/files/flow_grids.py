@@ -25,9 +25,11 @@ from .border import TEXT_BYTES, border, check_promise, read_bytes
 from .flow_arrays import library, read_arrays
 from .regular_flows import MASKS, PLANE, SOLIDS, GridFlow, grid_flow, is_solid, resample_evenly
 from .tets import vtu_array, vtu_arrays, vtu_root
-from .volumes import SOUND_BYTES, SOUND_RATIO, choose_flow
+from .volumes import SOUND_BYTES, SOUND_RATIO, choose_flow, component_names
 
 IMAGE, ARRAYS, MESHES = (".vti",), (".nc", ".h5", ".hdf5"), (".vts", ".vtr", ".vtk", ".vtu")
+# Elements of the arrays of points, and of cells.
+_KINDS = ("PointData", "CellData")
 # Name of the vectors that are sampled on a mesh.
 _SAMPLED = "synch flow"
 
@@ -99,15 +101,21 @@ def _read_image(path: Path, attribute: str) -> GridFlow:
         raise SettingError("its axes are turned: resample it along x, y and z")
     spacing = _numbers(image, "Spacing", 3, (1, 1, 1))
     first, shape = extent[::2], extent[1::2] - extent[::2] + 1
-    kind = "PointData"
-    if not pieces[0].findall("PointData/DataArray"):  # cells, whose middles are a grid of their own
-        kind, shape = "CellData", shape - 1
+    every = {kind: {str(a.get("Name")): a for a in pieces[0].iterfind(f"{kind}/DataArray")} for kind in _KINDS}
+    sizes_of = {
+        kind: {name: int(array.get("NumberOfComponents") or 1) for name, array in arrays.items()}
+        for kind, arrays in every.items()
+    }
+    kind = next(
+        (kind for kind in _KINDS if _has_vectors(sizes_of[kind])), max(_KINDS, key=lambda kind: len(every[kind]))
+    )
+    found, sizes = every[kind], sizes_of[kind]
+    if kind == "CellData":  # the middles of cells are a grid of their own
+        shape = shape - 1
     origin = _numbers(image, "Origin", 3, (0, 0, 0)) + (first + 0.5 * (kind == "CellData")) * spacing
     if (shape < 2).any():
         raise SettingError(PLANE if (shape > 0).all() else f"its extent is {extent.tolist()}: export a flow in space")
     count = math.prod(shape.tolist())
-    found = {str(a.get("Name")): a for a in pieces[0].iterfind(f"{kind}/DataArray")}
-    sizes = {name: int(array.get("NumberOfComponents") or 1) for name, array in found.items()}
     chosen, is_curl, warnings = choose_flow(
         path, [n for n in found if sizes[n] == 3], [n for n in found if sizes[n] == 1], attribute
     )
@@ -119,6 +127,11 @@ def _read_image(path: Path, attribute: str) -> GridFlow:
     arrays = {n: a.reshape(*shape[::-1], sizes[n]).transpose(2, 1, 0, 3) for n, a in arrays.items()}
     vectors = np.concatenate([arrays[name] for name in chosen], axis=3)
     return grid_flow(vectors, spacing, origin, {n: arrays[n][..., 0] for n in extra}, is_curl, warnings)
+
+
+def _has_vectors(sizes: dict[str, int]) -> bool:
+    """Whether arrays with so many numbers for each place hold vectors, or the components of some."""
+    return 3 in sizes.values() or bool(component_names([name for name, size in sizes.items() if size == 1]))
 
 
 def _numbers(element: Element, name: str, count: int, default: Sequence[float] | None = None) -> np.ndarray:
@@ -153,7 +166,7 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
             raise SettingError("VTK reports an error in it") from None
     if not hasattr(mesh, "point_data"):
         raise SettingError("it has several blocks: save one of them")
-    if not len(mesh.point_data):
+    if not _has_vectors({name: math.prod(mesh.point_data[name].shape[1:]) for name in mesh.point_data.keys()}):
         mesh = mesh.cell_data_to_point_data()
     vectors, is_curl, lines = _vectors(path, mesh.point_data, attribute)
     if isinstance(mesh, pyvista.ImageData | pyvista.RectilinearGrid):
@@ -186,7 +199,7 @@ def _by_meshio(path: Path, attribute: str) -> SampledFlow:
 
     mesh = meshio.read(path)
     data, points = mesh.point_data, mesh.points
-    if not data:
+    if not _has_vectors({name: math.prod(array.shape[1:]) for name, array in data.items()}):
         data = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
         points = np.concatenate([mesh.points[block.data].mean(axis=1) for block in mesh.cells])
     vectors, is_curl, warnings = _vectors(path, data, attribute)

@@ -54,7 +54,10 @@ FIGURES = {
     2: Figure(dislocations.figure2, {"dislocations": (dislocations.COLUMNS, "pattern")}),
     3: Figure(layers.figure3, {"solids": (solids.COLUMNS, "solid")}),
     4: Figure(quads.figure4, {"energies": (figures.COLUMNS, "mesh")}),
-    5: Figure(vortices.figure5, {"energies": (clebsch.ENERGIES, "the knot as")}),
+    5: Figure(
+        vortices.figure5,
+        {"energies": (clebsch.ENERGIES, "the knot as"), "finer": (clebsch.COUNTS, "the knot as")},
+    ),
     6: Figure(figures.figure6, {"energies": (figures.COLUMNS, "problem")}),
     7: Figure(vortices.figure7, {"maps": (vortices.MAPS, "map")}),
     8: Figure(figures.figure8, {"energies": (figures.COLUMNS, "problem")}),

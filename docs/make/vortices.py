@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 
-from synch_fields.bench.clebsch import CUTS, cut_rows
+from synch_fields.bench.clebsch import CUTS, cut_rows, finer_rows
 from synch_fields.bench.command import arguments
 from synch_fields.bench.flows import abc, jet
 from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
@@ -57,7 +57,7 @@ def main():
 
 
 def figure5(place):
-    """Filaments and tubes of the knot at five circulations, and the energies of the roundings."""
+    """Filaments and tubes of the knot at five circulations, and the tables of these and of smaller ones."""
     bpy.ops.wm.read_homefile(use_empty=True)
     source = save_trefoil(place.folder, NODES_OF_KNOT)
     sheets = []
@@ -72,7 +72,7 @@ def figure5(place):
         sheets.append(place.folder / f"{show}.png")
         beside(pictures, sheets[-1], labels=() if len(sheets) > 1 else [f"quanta: {cut}" for cut in CUTS])
     beside(sheets, place.picture, vertical=True)
-    return {"energies": cut_rows(NODES_OF_KNOT)}
+    return {"energies": cut_rows(NODES_OF_KNOT), "finer": finer_rows(NODES_OF_KNOT)}
 
 
 def knot(_options, folder, path):

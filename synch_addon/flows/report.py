@@ -99,7 +99,9 @@ def summary(report):
     if "filaments" in report:
         closed = sum(line["closed"] for line in report["filaments"])
         around = f", {report['windings']} around the box" if report["windings"] else ""
-        lines.append(f"{last}: {count_text(len(report['filaments']), 'filament')}, {closed} of them closed{around}")
+        counted = f"{last}: {count_text(len(report['filaments']), 'filament')}, {closed} of them closed{around}"
+        share = report["vorticity_share"]
+        lines.append(counted if share is None else f"{counted}, with {share:.0%} of the vorticity")
     if report.get("loops"):
         links = int(np.abs(np.triu(report["linking"])).sum())
         lines.append(f"linked {links} times, writhe {sum(report['writhe']):.3g}, helicity {report['helicity']:.4g}")

@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
 from synch_fields.core.fields.directions import direction_problem
@@ -121,6 +122,9 @@ def prepare(path):
     if "####" in path.name:
         for frame in range(1, FRAMES + 1):
             vortex_scenes.write_vdb(path.with_name(path.name.replace("####", f"{frame:04}")), height=0.02 * frame)
+    elif path.suffix == ".npz":
+        x, y, z = np.meshgrid(*[np.arange(12) / 2] * 3, indexing="ij")
+        np.savez(path, velocity=np.stack([np.sin(z) + np.cos(y), np.sin(x), np.cos(x)], axis=-1), spacing=0.5)
     elif path.suffix == ".rawfield":
         assert main.main(["directions", "--symmetry=cross", f"--export-field={path}", "--quiet"], loaded=True) == 0
     else:
@@ -134,7 +138,7 @@ def prepare(path):
 @pytest.mark.parametrize("line", [line for line in COMMANDS if arguments_of(line)[0][0] not in LONG])
 def test_command_line_runs(line, folder, capfd):
     arguments, loaded = arguments_of(line)
-    given = re.findall(r"[\w#-]+\.(?:obj|stl|blend|vdb|rawfield)", line)
+    given = re.findall(r"[\w#-]+\.(?:obj|stl|blend|vdb|npz|rawfield)", line)
     asked_for = ("--output", "--render", "--report", "--export")
     written = [name for flag, name in pairwise(arguments) if flag.startswith(asked_for)]
     for name in given:

@@ -142,7 +142,7 @@ def test_the_command_line(tmp_path, capfd):
     assert main([*arguments, "--output", str(out), "--report", str(report)]) == 0
     facts = json.loads(report.read_text())
     assert facts["command"] == "clebsch" and len(facts["filaments"]) == 1 and out.is_file()
-    assert "1 filament, 1 of them closed" in capfd.readouterr().out
+    assert re.search(r"1 filament, 1 of them closed, with \d+% of the vorticity", capfd.readouterr().out)
     circle()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "curves.blend"))
     assert main(["clebsch", str(tmp_path / "curves.blend"), "--quantum", "1", "--resolution", "20", "--quiet"]) == 0

@@ -9,6 +9,7 @@ from scipy.io import netcdf_file
 from synch_fields.core.errors import SynchError
 from synch_fields.core.files.flows import flow_file
 from synch_fields.core.files.regular_flows import GridFlow
+from synch_fields.core.files.volumes import choose_flow
 
 from .flow_writers import AXES, ORIGIN, SHAPE, SPACING, UVW, VELOCITY, hdf5, netcdf, vti, vtk_mesh
 
@@ -42,6 +43,13 @@ def test_images_of_cells_are_a_grid_of_their_middles(tmp_path):
     check(flow, origin=np.array(ORIGIN) + 0.5 * np.array(SPACING))
 
 
+def test_vectors_of_cells_are_found_beside_numbers_of_points(tmp_path):
+    path = vti(tmp_path / "flow.vti", {"U": VELOCITY}, where="CellData")
+    numbers = b'<PointData><DataArray type="UInt8" Name="vtkGhostType" format="ascii"/></PointData>'
+    path.write_bytes(path.read_bytes().replace(b"<CellData>", numbers + b"<CellData>"))
+    check(flow_file(path).read(), origin=np.array(ORIGIN) + 0.5 * np.array(SPACING))
+
+
 def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
     parts = {f"vel_{axis}": VELOCITY[..., k] for k, axis in enumerate("xyz")}
     check(flow_file(vti(tmp_path / "parts.vti", parts)).read())
@@ -70,6 +78,21 @@ def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
 def test_components_differ_in_one_letter_or_digit(tmp_path, name, axes):
     parts = {name.format(axis): VELOCITY[..., k] for k, axis in enumerate(axes)}
     check(flow_file(vti(tmp_path / "parts.vti", parts)).read())
+
+
+@pytest.mark.parametrize(
+    ("vectors", "numbers", "chosen"),
+    [
+        (["vel"], ["density", "temperature"], ("vel",)),  # Houdini, Pyro
+        (["rest", "v"], ["density"], ("v",)),  # Houdini, geometry
+        ([], ["density", "vel.x", "vel.y", "vel.z"], ("vel.x", "vel.y", "vel.z")),  # Houdini, not merged
+        (["velocity"], ["density", "heat", "flame"], ("velocity",)),  # Mantaflow
+        (["Velocity"], ["density", "flames", "temperature"], ("Velocity",)),  # a capital
+        (["color"], ["velocity_x", "velocity_y", "velocity_z"], ("velocity_x", "velocity_y", "velocity_z")),
+    ],
+)
+def test_velocities_are_found_by_the_names_that_simulators_give_them(vectors, numbers, chosen):
+    assert choose_flow("flow.vdb", vectors, numbers, "velocity") == (chosen, False, ())
 
 
 def test_numbers_that_are_no_components_are_refused(tmp_path):
@@ -236,6 +259,39 @@ def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
     assert "\n" not in refusal(tmp_path / "bad.h5")
 
 
+@pytest.mark.parametrize("order", ["xyz", "zyx"])
+def test_axes_without_names_are_those_along_which_the_flow_does_not_diverge(tmp_path, order):
+    """An eddy without sources in a cube, whose sizes tell nothing; its spacing is an array of its own."""
+    h5py = pytest.importorskip("h5py")
+    x, y, _ = np.meshgrid(*[np.linspace(0, 2, 9)] * 3, indexing="ij")
+    eddy = np.stack([np.sin(x) * np.cos(y), -np.cos(x) * np.sin(y), 0.3 * np.cos(x + y)], axis=-1)
+    with h5py.File(tmp_path / "eddy.h5", "w") as file:
+        for axis, part in zip("uvw", np.moveaxis(eddy, 3, 0), strict=True):
+            file[axis] = part if order == "xyz" else part.transpose(2, 1, 0)
+        file["dx"] = [[0.5, 0.25, 0.125]]
+    flow = flow_file(tmp_path / "eddy.h5").read()
+    check(flow, eddy, (9, 9, 9), (0.5, 0.25, 0.125), (0, 0, 0))
+    assert not flow.warnings
+
+
+def test_netcdf_dimensions_without_coordinates_are_none_in_hdf5_too(tmp_path):
+    """As the Weather Research and Forecasting model writes its staggered winds: a dimension is an array of zeros."""
+    h5py = pytest.importorskip("h5py")
+    sides = {"west_east": 5, "south_north": 6, "bottom_top": 7}
+    with h5py.File(tmp_path / "wrf.nc", "w") as file:
+        for name, count in [*sides.items(), *((f"{name}_stag", count + 1) for name, count in sides.items())]:
+            file[name] = np.zeros(count)
+            file[name].make_scale(f"This is a netCDF dimension but not a netCDF variable. {count:>9}")
+        for letter, along in zip("UVW", sides, strict=True):
+            names = [name + "_stag" * (name == along) for name in reversed(sides)]
+            variable = file.create_dataset(letter, data=np.zeros([1, *(len(file[name]) for name in names)]))
+            for dimension, name in enumerate(names, 1):
+                variable.dims[dimension].attach_scale(file[name])
+    flow = flow_file(tmp_path / "wrf.nc").read()
+    check(flow, np.zeros((5, 6, 7, 3)), spacing=(1, 1, 1), origin=(0, 0, 0))
+    assert flow.warnings == ("distances are counted in nodes, as the file has no coordinates along x, y and z",)
+
+
 # Other libraries
 
 
@@ -266,6 +322,22 @@ def test_flows_on_other_meshes_are_sampled(tmp_path, library, suffix, monkeypatc
     hole = np.linalg.norm(grid.places, axis=1) < 0.2
     assert not inside[hole].any() if library == "pyvista" and suffix == ".vtu" else inside.all()
     assert np.isfinite(flow.integrals(grid)).all()
+
+
+@pytest.mark.parametrize("library", ["pyvista", "meshio"])
+def test_vectors_of_cells_are_found_beside_numbers_of_a_mesh(tmp_path, library, monkeypatch):
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.ImageData(dimensions=(9, 9, 9), spacing=(0.25,) * 3, origin=(-1,) * 3).cast_to_structured_grid()
+    mesh = mesh.cast_to_unstructured_grid()  # of hexahedra, as meshio knows no voxels
+    mesh.point_data["vtkGhostType"] = np.zeros(mesh.n_points, np.uint8)
+    mesh.cell_data["U"] = np.cross([0, 0, 1], mesh.cell_centers().points)
+    mesh.save(tmp_path / "flow.vtu")
+    if library == "meshio":
+        pytest.importorskip("meshio")
+        monkeypatch.setitem(__import__("sys").modules, "pyvista", None)
+    flow = flow_file(tmp_path / "flow.vtu").read()
+    places = np.array([[0.25, 0.5, 0.25], [-0.5, 0.25, 0.5]])
+    np.testing.assert_allclose(flow.sample(places), np.cross([0, 0, 1], places), atol=1e-6)
 
 
 @pytest.mark.parametrize(("library", "name", "solid"), [("pyvista", "Mask", 0), ("meshio", "obstacle", 1)])
