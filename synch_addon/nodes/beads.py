@@ -59,7 +59,10 @@ def beads_group():
     parted = canvas.node("GeometryNodeSeparateGeometry", 3, "", values, domain="INSTANCE")
     values = {"Geometry": Expression(canvas, parted.outputs["Selection"], 3)}
     node = canvas.node("GeometryNodeRealizeInstances", 4, "", values)
-    values = {"Geometry": Expression(canvas, node.outputs["Geometry"], 4), "Selection": (printed > time).named("later?")}
+    values = {
+        "Geometry": Expression(canvas, node.outputs["Geometry"], 4),
+        "Selection": (printed > time).named("later?"),
+    }
     node = canvas.node("GeometryNodeDeleteGeometry", 5, "", values, domain="POINT")
     joined = canvas.node("GeometryNodeJoinGeometry", 6)
     for part in (parted.outputs["Inverted"], node.outputs["Geometry"]):

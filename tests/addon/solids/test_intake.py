@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids.surface import read_area, read_surface
 
-from ..solid_objects import attribute, block
+from ..solid_objects import attribute
 
 
 def box(low, high):
