@@ -14,9 +14,9 @@ from ..geometry import TriangleMesh
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
-from .coverage import NARROWEST, REACH, BeadDistances, share_area
+from .coverage import NARROWEST, REACH, WIDEST, BeadDistances, share_area
 from .flat import RimDistances, is_flat, rim_pieces
-from .medial_axis import Polyline, beads_through, medial_beads
+from .medial_axis import Polyline, beads_through, level_pieces, medial_beads, medial_points
 from .subdivision import subdivide, subdivide_by
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
@@ -29,11 +29,14 @@ _LONGEST, _TURNED = 2.5, 0.05
 _SAME = 0.1
 # Contours that are shorter, or whose sides are closer, go around what one bead covers, in steps.
 _SHORT, _FLAT = 1.5, 0.1
+# Contours on both sides of the medial line that are nearer to it, in steps, are one bead where they are so long; others
+# move apart as far as their sides overlap. Farther from places of the line by this, in steps, contours are others.
+_CROWDED, _LONG, _OTHER = 0.2, 1.5, 0.1
 # How often what is left is looked for; pieces of it that are smaller, in squares of a step, are tips of corners.
 _ROUNDS, _TIP = 3, 0.12
 # Kind of beads that fill gaps.
 _GAP = 2
-# Lines, and layers and kinds of these, and widths at their points.
+# Lines, and layers and kinds of these, and half the widths that they have to fill at their points.
 _Found: TypeAlias = tuple[Isolines, np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -80,16 +83,19 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
     lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
     wide = (lines.lengths > _SHORT * step) & ~(lines.closed & (_widths(lines) < _FLAT * step))
     lines, layers = lines.chosen(wide).without_repeats(_SAME * step), layers[wide]
+    rim, medial = distances_to_rims(surfaces, step), medial_points(mesh, distances, step)
+    level = level_pieces(mesh, numbers, medial, rim, step)
+    lines, layers = _without_crowded(lines, layers, level, step)
     lines = without_straight_points(lines, (_LONGEST if flat else 1) * step)
     first = lines.starts
     inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
-    found = lines, layers, inner.astype(int), np.full(len(lines.triangles), float(step))
-    rim = distances_to_rims(surfaces, step)
+    lines, halves = _moved_apart(lines, layers, level, step)
+    found = lines, layers, inner.astype(int), halves
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
     away = _away(lines, layers, step)
-    more = medial_beads(mesh, numbers, distances, away, step)
+    more = medial_beads(mesh, numbers, medial, away, step)
     for left in reversed(range(_ROUNDS + 1)):
         if more:
             found = _join_beads(found, more, away, rim, step)
@@ -101,8 +107,10 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
         more = beads_through(mesh, numbers, far, step)
         if not more:
             break
-    lines, layers, kinds, _ = found
-    return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, away, step))
+    lines, layers, kinds, halves = found
+    return Beads(
+        lines, layers, kinds, *share_area(mesh, numbers, lines, layers, (kinds == _GAP)[lines.numbers], halves, step)
+    )
 
 
 def plane_beads(surfaces: LayerSurfaces, values: np.ndarray, step: float) -> Beads:
@@ -110,8 +118,49 @@ def plane_beads(surfaces: LayerSurfaces, values: np.ndarray, step: float) -> Bea
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
     mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
-    shared = share_area(mesh, surfaces.layers[parents], lines, _away(lines, layers, step), step)
+    is_gap, halves = np.zeros(len(lines.triangles), bool), np.full(len(lines.triangles), step / 2)
+    shared = share_area(mesh, surfaces.layers[parents], lines, layers, is_gap, halves, step)
     return Beads(lines, layers, np.ones(len(layers), int), *shared)
+
+
+def _without_crowded(
+    lines: Isolines, layers: np.ndarray, level: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], step: float
+) -> tuple[Isolines, np.ndarray]:
+    """Lines and their layers without long parts that lie beside :func:`level_pieces` which one bead fills."""
+    begins, ends, of, ways = level
+    near = ways < _CROWDED
+    dropped = BeadDistances(begins[near], ends[near], of[near], step)(lines.points, layers[lines.numbers])
+    long = cut_lines(lines, dropped < (_CROWDED + _OTHER) * step, _LONG * step)[2]
+    kept = np.ones(len(dropped), bool)
+    kept[long] = False
+    lines, numbers, _ = cut_lines(lines, kept, step)
+    return lines, layers[numbers]
+
+
+def _moved_apart(
+    lines: Isolines, layers: np.ndarray, level: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], step: float
+) -> tuple[Isolines, np.ndarray]:
+    """Contours beside :func:`level_pieces` in the middle between these and the next contours, and half their widths."""
+    begins, ends, of, ways = level
+    halves = np.full(len(lines.triangles), step / 2)
+    away, nearest = BeadDistances(begins, ends, of, step).nearest(lines.points, layers[lines.numbers])
+    way = np.where(nearest >= 0, ways[nearest], 1.0) if len(ways) else np.ones(len(halves))
+    moved = np.flatnonzero((way >= _CROWDED) & (way < 0.5) & (away < (way + _OTHER) * step))
+    if not len(moved):
+        return lines, halves
+    points, following, before = lines.points, lines.next, np.arange(len(halves))
+    before[following] = np.arange(len(halves))
+    sides = np.cross(lines.normals[moved], (points[following] - points[before])[moved])
+    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    sides *= np.sign(np.einsum("kx,kx->k", sides, points[moved] - begins[nearest[moved]]))[:, None]
+    ways_on = step * (0.5 - way[moved]) / 2
+    halves[moved] -= ways_on
+    found, triangles = NearestTriangles(lines.mesh.vertices, lines.mesh.triangles).nearest(
+        points[moved] + ways_on[:, None] * sides
+    )
+    made, weights = lines.triangles.copy(), lines.weights.copy()
+    made[moved], weights[moved] = triangles, barycentric(lines.mesh, triangles, found)
+    return replace(lines, triangles=made, weights=weights), halves
 
 
 def without_straight_points(lines: Isolines, longest: float) -> Isolines:
@@ -165,19 +214,30 @@ def distances_to_rims(surfaces: LayerSurfaces, step: float) -> BeadDistances:
 
 
 def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: BeadDistances, step: float) -> _Found:
-    """Lines, layers, kinds and widths with those of more beads, put onto the layers, ordered by layer."""
+    """Lines, layers, kinds and half widths with those of more beads, put onto the layers, ordered by layer."""
     if not more:
         return found
     mesh = found[0].mesh
     points = np.concatenate([bead.points for bead in more])
     sizes, of = np.array([len(bead.points) for bead in more]), np.array([bead.layer for bead in more])
-    at = np.repeat(of, sizes)
-    free = np.minimum(away(points, at) - step / 2, rim(points, at))
-    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points)
+    at, nearest = np.repeat(of, sizes), NearestTriangles(mesh.vertices, mesh.triangles).nearest
+
+    def clear(places: np.ndarray) -> np.ndarray:
+        return np.minimum(away(places, at) - step / 2, rim(places, at))
+
+    # Into the middle between what is beside them.
+    along = np.concatenate([np.gradient(bead.points, axis=0) for bead in more])
+    sides = np.cross(mesh.face_normals[nearest(points)[1]], along)
+    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    reach = np.maximum(clear(points), 0)[:, None] / 2 * sides
+    off = np.clip((clear(points + reach) - clear(points - reach)) / 2, -_OTHER * step, _OTHER * step)
+    points = points + off[:, None] * sides
+    free = clear(points)
+    places, triangles = nearest(points)
     ends = np.array([[End.CLOSED if bead.closed else End.BOUNDARY] * 2 for bead in more])
     added = Isolines(mesh, triangles, barycentric(mesh, triangles, places), sizes, ends)
-    narrow = np.clip(2 * free, NARROWEST * step, step)
-    return join_lines([found, (added, of, np.full(len(more), _GAP), narrow)])
+    halves = np.clip(free, NARROWEST * step / 2, WIDEST * step / 2)
+    return join_lines([found, (added, of, np.full(len(more), _GAP), halves)])
 
 
 def join_lines(parts: Sequence[_Found]) -> _Found:
@@ -195,3 +255,32 @@ def join_lines(parts: Sequence[_Found]) -> _Found:
         np.concatenate([part.ends for part in lines])[order],
     )
     return joined, of[order], np.concatenate(kinds)[order], np.concatenate(widths)[points]
+
+
+def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
+    """The parts of lines whose points are kept; cut ones no shorter than a length.
+
+    Returns the parts, (k,) the line that each is of, and (m,) the point that each of theirs was.
+    """
+    numbers, starts, sizes = lines.numbers, lines.starts, lines.sizes
+    whole = np.bincount(numbers[~kept], minlength=len(sizes)) == 0
+    # Closed lines that are cut begin after a point that is left out.
+    first = np.full(len(sizes), len(kept))
+    np.minimum.at(first, numbers[~kept], np.flatnonzero(~kept))
+    shift = np.where(lines.closed & ~whole, first - starts, 0)
+    order = starts[numbers] + (np.arange(len(kept)) - starts[numbers] + shift[numbers]) % sizes[numbers]
+    is_kept = kept[order]
+    begins = is_kept & ~np.append(False, is_kept[:-1] & (numbers[1:] == numbers[:-1]))
+    points = order[is_kept]
+    part = np.cumsum(begins)[is_kept] - 1
+    of = numbers[begins]
+    ends = np.where(whole[of][:, None], lines.ends[of], End.BOUNDARY)
+    made = replace(
+        lines,
+        triangles=lines.triangles[points],
+        weights=lines.weights[points],
+        sizes=np.bincount(part, minlength=len(of)),
+        ends=ends,
+    )
+    long = whole[of] | (made.lengths >= shortest)
+    return made.chosen(long), of[long], points[long[part]]

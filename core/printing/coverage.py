@@ -13,9 +13,10 @@ from ..graphs import ragged_arange
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
 _PARTS = 8
-# Farther than this from the next bead, in steps, a gap is looked at; and a place is not covered, which is half a bead's
-# width and what samples are off by.
-REACH, COVERED = 0.6, 0.505
+# Farther than this from the middle of the next bead, in steps, a gap is looked at. A place is not covered where it is
+# farther than half the width of the bead times the second, and than where its side is wanted times the third: what
+# samples are off by.
+REACH, COVERED, WANTED = 0.6, 1.04, 1.01
 # Width of the narrowest and of the widest bead, in steps.
 NARROWEST, WIDEST = 0.25, 1.5
 # Widths are evened out over so many steps. Samples along a step, and all of them.
@@ -60,33 +61,52 @@ class BeadDistances:
 
 
 def share_area(
-    mesh: TriangleMesh, layers: np.ndarray, lines: Isolines, away: BeadDistances, step: float
+    mesh: TriangleMesh,
+    layers: np.ndarray,
+    lines: Isolines,
+    numbers: np.ndarray,
+    is_gap: np.ndarray,
+    halves: np.ndarray,
+    step: float,
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Share the area of layers out to the beads that are nearest to it.
+    """Share the area of layers out to the beads whose sides are nearest to it.
 
     Parameters
     ----------
     mesh : TriangleMesh
     layers : (t,) of its triangles
     lines : Isolines, the middle of the beads
-    away : BeadDistances of these
+    numbers : (l,) layers of these
+    is_gap : (n,) bool, points of beads that fill gaps
+    halves : (n,) distance from the middle at which the sides of beads are wanted
     step : between beads
 
     Returns
     -------
     widths : (n,) at the lines' points, with which the beads have the area that is nearest to them
-    covered : (c,) share of each layer's area that is within half a step of a bead
+    covered : (c,) share of each layer's area that is between the sides of a bead
     covered_share : of all layers
     """
     samples, triangle = _samples(mesh, step)
     areas = mesh.areas[triangle] / np.bincount(triangle)[triangle]
-    found, piece = away.nearest(samples, layers[triangle])
-    # What is farther than a whole bead away stays empty.
-    near = found <= step
-    halves = np.bincount(piece[near], areas[near], len(lines.triangles)) / 2
-    own = halves + np.bincount(lines.next, halves, len(halves))
-    inside = np.bincount(triangle, areas * (found <= COVERED * step), mesh.triangle_count)
+    points, following, of = lines.points, lines.next, numbers[lines.numbers]
+    found, piece = np.full(len(samples), np.inf), np.full(len(samples), -1)
+    for rows in (np.flatnonzero(~is_gap), np.flatnonzero(is_gap)):
+        if len(rows):
+            away = BeadDistances(points[rows], points[following[rows]], of[rows], step)
+            distances, nearest = away.nearest(samples, layers[triangle])
+            over = distances - halves[rows[nearest]]
+            better = over < found
+            found[better], piece[better] = over[better], rows[nearest[better]]
+    # What is farther than half a bead beside the bead stays empty.
+    near = found <= step / 2
+    own = np.bincount(piece[near], areas[near], len(lines.triangles)) / 2
+    own = own + np.bincount(following, own, len(own))
     widths = np.clip(even_along(lines, own, _EVEN * step), NARROWEST * step, WIDEST * step)
+    # Places without a bead have the piece -1.
+    half, wanted = np.append(widths / 2, 0)[piece], np.append(halves, 0)[piece]
+    is_inside = found + wanted <= np.maximum(COVERED * half, WANTED * wanted)
+    inside = np.bincount(triangle, areas * is_inside, mesh.triangle_count)
     covered, areas = np.bincount(layers, inside), np.bincount(layers, mesh.areas)
     return widths, covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
 

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
 from ..graphs import pairs_within, ragged_arange
-from .kinematics import divide_moves, table_angles, to_machine, to_part, tool_directions
+from .kinematics import divide_moves, table_angles, tip_deviation, to_machine, tool_directions
 from .machine import Machine
 from .moves import simplify_moves
 from .timing import feed_words, move_seconds, overhead_seconds, turn_accelerations
@@ -52,6 +52,14 @@ class Course:
     step: float
     kinds: list[str] = field(default_factory=list)
     levels: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+
+    @property
+    def ways(self) -> np.ndarray:
+        """(k,) length of the tip's way up to each point of all runs, and one more for each bead before."""
+        order, first = np.concatenate(self.runs), np.cumsum([len(run) for run in self.runs])[:-1]
+        steps = piece_lengths(self.points[order])
+        steps[first - 1] = 1
+        return np.append(0.0, np.cumsum(steps))
 
     @property
     def is_first(self) -> np.ndarray:
@@ -146,6 +154,18 @@ def gcode(course: Course, machine: Machine) -> Program:
     return Program(text, warnings=told, **moves.facts)
 
 
+def print_times(course: Course, machine: Machine) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) seconds from the first move on at which the points of a course are printed, and (n,) millimetres a second
+    there; points of no bead have the time of the one before, and no speed."""
+    moves, order = _Moves.of(course, machine), np.concatenate(course.runs)[::-1]
+    along = course.ways[::-1]
+    seconds, speeds = np.zeros((2, len(course.points)))
+    # Of several assignments the last one stays: closed beads come back to their first point.
+    seconds[order] = np.interp(along, moves.along, moves.ends)
+    speeds[order] = moves.speeds[np.minimum(np.searchsorted(moves.along, along - 1e-9), len(moves.along) - 1)]
+    return np.maximum.accumulate(seconds), speeds
+
+
 def _check_place(course: Course, machine: Machine) -> None:
     """Refuse a part that the tip cannot reach."""
     used = course.points[np.concatenate(course.runs)]
@@ -230,6 +250,8 @@ class _Moves:
     feeds : (m,) millimetres a minute of the tip, or as the dialect counts
     sizes : (m, 2) width and height of the bead on the way there
     begins : (l + 1,) where each bead begins
+    along : (m,) as :attr:`Course.ways`
+    ends, speeds : (m,) seconds since the first move when it ends, and millimetres a second
     reach : how far the place that is farthest from the pivot is from it
     facts : of the :class:`Program`
     """
@@ -241,6 +263,9 @@ class _Moves:
     feeds: np.ndarray
     sizes: np.ndarray
     begins: np.ndarray
+    along: np.ndarray
+    ends: np.ndarray
+    speeds: np.ndarray
     reach: float
     facts: dict[str, Any]
 
@@ -253,8 +278,7 @@ class _Moves:
         angles = table_angles(points, axes, sizes, machine)
         cosines = np.einsum("kx,kx->k", tool_directions(angles, machine), axes)
         sections = machine.flow * (course.widths * course.heights)[order]
-        ways = np.where(first[1:], 0, piece_lengths(points))
-        along = np.append(0.0, np.cumsum(ways))
+        along = course.ways
         lengths = np.where(first[1:], 0, piece_lengths(course.places[order]))
         filled = np.append(0.0, np.cumsum(lengths * (sections[:-1] + sections[1:]) / 2))
         spans, shares = divide_moves(points, angles, first, machine)
@@ -274,7 +298,7 @@ class _Moves:
             for a, b in pairwise(begins.tolist())
         ]
         kept = np.concatenate(chosen)
-        deviation = _deviation(points, angles, places, kept, bead, machine)
+        deviation = tip_deviation(points, angles, places, kept, bead, machine)
         points, angles, places, along, filled, sizes = (
             values[kept] for values in (points, angles, places, along, filled, sizes)
         )
@@ -284,21 +308,24 @@ class _Moves:
         # The first move of a bead is no move: it takes no time.
         seconds, slowed = move_seconds(ways, volumes, places, angles, first, course.is_first[bead], machine)
         turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
-        speeds = np.abs(turns) / np.where(seconds > 0, seconds, 1)[:, None]
+        turning = np.abs(turns) / np.where(seconds > 0, seconds, 1)[:, None]
         filament = volumes / (np.pi * machine.filament**2 / 4)
+        ends = np.cumsum(seconds + overhead_seconds(places, ways, seconds, first, machine))
         facts = {
-            "seconds": float(seconds.sum()) + overhead_seconds(places, ways, seconds, first, machine),
+            "seconds": float(ends[-1]),
             "filament": float(filament.sum()),
             "volume": float(volumes.sum()),
             "deviation": deviation,
             "tool_off": float(np.degrees(np.arccos(np.clip(cosines.min(initial=1), -1, 1)))) if machine.turns else 0.0,
-            "turn_speed": float(speeds.max(initial=0)),
+            "turn_speed": float(turning.max(initial=0)),
             "turn_acceleration": float(turn_accelerations(turns, seconds, first).max(initial=0)),
             "slowed": float(ways[slowed].sum() / max(ways.sum(), 1e-12)),
         }
         feeds = feed_words(ways, places, angles, seconds, machine)
         begins = np.append(np.flatnonzero(first), len(first))
-        return cls(places, angles, points, filament, feeds, sizes, begins, reach, facts)
+        speeds = ways / np.where(seconds > 0, seconds, 1)
+        speeds[first] = speeds[np.flatnonzero(first) + 1]
+        return cls(places, angles, points, filament, feeds, sizes, begins, along, ends, speeds, reach, facts)
 
     def clearances(self, course: Course, machine: Machine) -> np.ndarray:
         """(l,) how far what is printed near the way to each bead's begin reaches above the ends of this way, along the
@@ -336,22 +363,6 @@ def _between(values: np.ndarray, spans: np.ndarray, shares: np.ndarray) -> np.nd
 def _sections(along: np.ndarray, filled: np.ndarray) -> np.ndarray:
     ways = np.diff(along)
     return np.diff(filled) / np.where(ways > 0, ways, 1)
-
-
-def _deviation(
-    points: np.ndarray, angles: np.ndarray, places: np.ndarray, kept: np.ndarray, bead: np.ndarray, machine: Machine
-) -> float:
-    """How far the tip is from its way on the part at most, at all points and half way between them."""
-    if not machine.turns or len(points) < 2:
-        return 0.0
-    # Of each point, the moves' ends around it and how far it is between them by the length.
-    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    both = np.append(way, (way[1:] + way[:-1])[bead[1:] == bead[:-1]] / 2)
-    ends = way[kept]
-    interpolated = [np.interp(both, ends, column) for column in np.column_stack([places[kept], angles[kept]]).T]
-    wanted = np.column_stack([np.interp(both, way, column) for column in points.T])
-    turned = np.column_stack(interpolated)
-    return float(np.linalg.norm(to_part(turned[:, :3], turned[:, 3:], machine) - wanted, axis=1).max())
 
 
 def _tops(places: np.ndarray, machine: Machine) -> np.ndarray:

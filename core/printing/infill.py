@@ -4,12 +4,15 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.sparse import coo_matrix, diags_array
+from scipy.sparse.linalg import spsolve
 
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.layers.toolpaths import toolpaths
-from ..extract.lines.isolines import End, Isolines
+from ..extract.lines.isolines import Isolines
+from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
-from .beads import Beads, distances_to_rims, join_lines, without_straight_points
+from .beads import Beads, cut_lines, distances_to_rims, join_lines, without_straight_points
 from .flat import across, is_flat, ways_out
 from .heights import ways_to_end
 from .machine import Machine
@@ -18,6 +21,8 @@ from .machine import Machine
 _SPARSE = 3
 # Lines between walls reach so far into the innermost one, and their points are so far apart at first, in steps.
 _OVERLAP, _APART = 0.35, 0.25
+# Holds the mean of values on each piece of a layer, beside the weights of its edges.
+_FREE = 1e-9
 # Pieces of cut beads that are shorter are not printed, in steps.
 _SHORT = 1.0
 
@@ -28,8 +33,7 @@ def sparse_beads(
     """Keep the walls and skins of :class:`Beads` that fill a solid, and put crossing lines into the rest.
 
     Walls lie beside the rims of layers. In skins the solid ends within a number of layers above or below. The lines in
-    the rest lie in diagonal planes, one layer this and the next the other way, and have the machine's share of the
-    volume; where layers are steep against the mean normal, less.
+    the rest run diagonally, one layer this and the next the other way, and have the machine's share of the volume.
 
     Parameters
     ----------
@@ -48,14 +52,12 @@ def sparse_beads(
         deep[deep] = _in_core(surfaces, solid, points[deep], normals[deep], spacing, machine.skins)
         return deep
 
-    walls, of, points = _cut_lines(
-        beads.lines, ~is_deep(beads.lines, beads.layers, machine.walls * step), _SHORT * step
-    )
+    walls, of, points = cut_lines(beads.lines, ~is_deep(beads.lines, beads.layers, machine.walls * step), _SHORT * step)
     parts = [(walls, beads.layers[of], beads.kinds[of], beads.widths[points])]
     if machine.infill:
         lines, layers = _diagonals(surfaces, spacing, step / machine.infill)
         lines = lines.resampled(_APART * step)
-        lines, of, _ = _cut_lines(lines, is_deep(lines, layers, (machine.walls - _OVERLAP) * step), _SHORT * step)
+        lines, of, _ = cut_lines(lines, is_deep(lines, layers, (machine.walls - _OVERLAP) * step), _SHORT * step)
         lines = without_straight_points(lines, np.inf)
         parts.append((lines, layers[of], np.full(len(of), _SPARSE), np.full(len(lines.triangles), step)))
     lines, layers, kinds, widths = join_lines(parts)
@@ -87,33 +89,34 @@ def _diagonals(surfaces: LayerSurfaces, spacing: float, apart: float) -> tuple[I
     turned = np.zeros(len(surfaces.vertices), bool)
     turned[surfaces.triangles] = is_odd[surfaces.layers][:, None]
     along, other = surfaces.vertices @ first, surfaces.vertices @ second
-    return toolpaths(mesh, surfaces.layers, (along + np.where(turned, -other, other)) / np.sqrt(2), apart)
+    values = (along + np.where(turned, -other, other)) / np.sqrt(2)
+    if not is_flat(surfaces):
+        values = _even(mesh, values)
+    return toolpaths(mesh, surfaces.layers, values, apart)
 
 
-def _cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
-    """The parts of lines whose points are kept; cut ones no shorter than a length.
+def _even(mesh: TriangleMesh, values: np.ndarray) -> np.ndarray:
+    """(n,) values that change along the layers' own directions of (n,) given ones, but by one per length everywhere.
 
-    Returns the parts, (k,) the line that each is of, and (m,) the point that each of theirs was.
+    The least of the integral of |grad f - g|^2, where g is the unit vector along the given values' gradient; then f is
+    scaled in each connected piece so that the mean of |grad f| is one, and lines at its multiples have the length that
+    their distance asks for. The means of the given values stay.
     """
-    numbers, starts, sizes = lines.numbers, lines.starts, lines.sizes
-    whole = np.bincount(numbers[~kept], minlength=len(sizes)) == 0
-    # Closed lines that are cut begin after a point that is left out.
-    first = np.full(len(sizes), len(kept))
-    np.minimum.at(first, numbers[~kept], np.flatnonzero(~kept))
-    shift = np.where(lines.closed & ~whole, first - starts, 0)
-    order = starts[numbers] + (np.arange(len(kept)) - starts[numbers] + shift[numbers]) % sizes[numbers]
-    is_kept = kept[order]
-    begins = is_kept & ~np.append(False, is_kept[:-1] & (numbers[1:] == numbers[:-1]))
-    points = order[is_kept]
-    part = np.cumsum(begins)[is_kept] - 1
-    of = numbers[begins]
-    ends = np.where(whole[of][:, None], lines.ends[of], End.BOUNDARY)
-    made = replace(
-        lines,
-        triangles=lines.triangles[points],
-        weights=lines.weights[points],
-        sizes=np.bincount(part, minlength=len(of)),
-        ends=ends,
-    )
-    long = whole[of] | (made.lengths >= shortest)
-    return made.chosen(long), of[long], points[long[part]]
+    corners, areas, count = mesh.vertices[mesh.triangles], mesh.areas, mesh.vertex_count
+    opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+    hats = np.cross(mesh.face_normals[:, None], opposite) / np.maximum(2 * areas, np.finfo(float).tiny)[:, None, None]
+    rows = np.repeat(np.arange(3 * len(areas)).reshape(-1, 1, 3), 3, axis=1)
+    columns = np.repeat(mesh.triangles[:, :, None], 3, axis=2)
+    gradient = coo_matrix((hats.ravel(), (rows.ravel(), columns.ravel())), shape=(3 * len(areas), count)).tocsr()
+
+    def lengths(of: np.ndarray) -> np.ndarray:
+        return np.linalg.norm((gradient @ of).reshape(-1, 3), axis=1)
+
+    wanted = gradient @ values / np.repeat(np.maximum(lengths(values), np.finfo(float).tiny), 3)
+    weighted = gradient.T @ diags_array(np.repeat(areas, 3))
+    matrix = (weighted @ gradient).tocsc()
+    found = spsolve(matrix + diags_array(np.full(count, _FREE * matrix.diagonal().mean())), weighted @ wanted)
+    piece, masses = mesh.pieces, mesh.vertex_masses
+    of = piece[mesh.triangles[:, 0]]
+    found *= (np.bincount(of, areas) / np.maximum(np.bincount(of, areas * lengths(found)), 1e-300))[piece]
+    return found + (np.bincount(piece, masses * (values - found)) / np.bincount(piece, masses))[piece]

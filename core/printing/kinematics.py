@@ -178,6 +178,22 @@ def divide_moves(
     return spans, place / counts[spans]
 
 
+def tip_deviation(
+    points: np.ndarray, angles: np.ndarray, places: np.ndarray, kept: np.ndarray, bead: np.ndarray, machine: Machine
+) -> float:
+    """How far the tip is from its way on the part at most, at all points and half way between them."""
+    if not machine.turns or len(points) < 2:
+        return 0.0
+    # Of each point, the moves' ends around it and how far it is between them by the length.
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    both = np.append(way, (way[1:] + way[:-1])[bead[1:] == bead[:-1]] / 2)
+    ends = way[kept]
+    interpolated = [np.interp(both, ends, column) for column in np.column_stack([places[kept], angles[kept]]).T]
+    wanted = np.column_stack([np.interp(both, way, column) for column in points.T])
+    turned = np.column_stack(interpolated)
+    return float(np.linalg.norm(to_part(turned[:, :3], turned[:, 3:], machine) - wanted, axis=1).max())
+
+
 def _off(
     points: np.ndarray, angles: np.ndarray, spans: np.ndarray, begin: np.ndarray, end: np.ndarray, machine: Machine
 ) -> np.ndarray:

@@ -24,6 +24,8 @@ _ROUNDS = 4
 _NEAR, _FAR = 0.5, 0.54
 # Of a step: what is shorter is less than a bead is wide.
 _SHORTEST = 0.5
+# The medial line is level where it rises by less for its length; in corners it does not.
+_STEEP = 0.5
 # Passes of smoothing, and the share of the way to the middle of its neighbours that a point moves in each.
 _PASSES, _SHARE = 12, 0.5
 # Points of a bead are a step over this apart.
@@ -53,7 +55,7 @@ class Polyline:
 def medial_beads(
     mesh: TriangleMesh,
     layers: np.ndarray,
-    distances: np.ndarray,
+    medial: tuple[np.ndarray, np.ndarray],
     away: Callable[[np.ndarray, np.ndarray], np.ndarray],
     step: float,
 ) -> list[Polyline]:
@@ -63,7 +65,7 @@ def medial_beads(
     ----------
     mesh : TriangleMesh
     layers : (t,) of its triangles
-    distances : (n,) from the rim
+    medial : as :func:`medial_points`
     away : callable((k, 3) points, (k,) layers) -> (k,) distances to the beads that there are
     step : between beads
 
@@ -71,10 +73,7 @@ def medial_beads(
     -------
     list of Polyline
     """
-    edges, places = _medial_points(mesh, distances, step)
-    points = np.einsum("ke,kex->kx", np.column_stack([1 - places, places]), mesh.vertices[mesh.edges[edges]])
-    numbers = np.zeros(len(mesh.edges), int)
-    numbers[mesh.triangle_edges] = layers[:, None]
+    edges, points, numbers = _placed(mesh, layers, medial)
     gaps = away(points, numbers[edges])
     node = np.full(len(mesh.edges), -1)
     kept = gaps > _NEAR * step
@@ -97,7 +96,45 @@ def medial_beads(
     return beads
 
 
-def _medial_points(mesh: TriangleMesh, distances: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+def level_pieces(
+    mesh: TriangleMesh,
+    layers: np.ndarray,
+    medial: tuple[np.ndarray, np.ndarray],
+    rim: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    step: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(k, 3) begins and ends of pieces of the medial line that do not run into a corner, (k,) their layers, and (k,)
+    how far they are from the contours on both sides, in steps from 0 to 1. ``rim`` gives distances from the rim, like
+    ``away`` above."""
+    edges, points, numbers = _placed(mesh, layers, medial)
+    depths = rim(points, numbers[edges])
+    node = np.full(len(mesh.edges), -1)
+    node[edges] = np.arange(len(edges))
+    at = node[mesh.triangle_edges]
+    pairs = np.sort(at[(at >= 0).sum(axis=1) == 2], axis=1)[:, 1:]
+    ways = np.linalg.norm(np.diff(points[pairs], axis=1)[:, 0], axis=1)
+    rises = np.abs(np.diff(depths[pairs])[:, 0])
+    way, rise = (np.bincount(pairs.ravel(), np.repeat(of, 2), len(points)) for of in (ways, rises))
+    # Places beside the line are less deep than it.
+    middles = rim(points[pairs].mean(axis=1), numbers[edges[pairs[:, 0]]])
+    deep = np.maximum(depths[pairs].max(axis=1), middles) / step - 0.5
+    pairs, deep = (values[(rise <= _STEEP * way)[pairs].all(axis=1) & (deep > 0)] for values in (pairs, deep))
+    begins, ends = points[pairs[:, 0]], points[pairs[:, 1]]
+    return begins, ends, numbers[edges[pairs[:, 0]]], deep % 1
+
+
+def _placed(
+    mesh: TriangleMesh, layers: np.ndarray, medial: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(k,) edges that the medial line crosses, (k, 3) where, and the layer of each edge of the mesh."""
+    edges, places = medial
+    points = np.einsum("ke,kex->kx", np.column_stack([1 - places, places]), mesh.vertices[mesh.edges[edges]])
+    numbers = np.zeros(len(mesh.edges), int)
+    numbers[mesh.triangle_edges] = layers[:, None]
+    return edges, points, numbers
+
+
+def medial_points(mesh: TriangleMesh, distances: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Edges that the medial line crosses, and how far along each."""
     sources = _nearest_on_rim(mesh)
     loop, way, length = _along_rims(mesh)

@@ -9,6 +9,18 @@ import numpy as np
 from ..extract.lines.isolines import Isolines
 from ..graphs import ragged_arange
 
+# Share of a layer that lies on another one from which on that has to be there before.
+_CARRIED = 0.02
+
+
+def carrying_pairs(of: np.ndarray, lower: np.ndarray, count: int) -> np.ndarray:
+    """(2, k) layers that lie on others with more than a small share of their points, and these: from (n,) layers of
+    points and (n,) those below, negative for none."""
+    pairs, numbers = np.unique(np.column_stack([of, lower]), axis=0, return_counts=True)
+    shares = numbers / np.bincount(of, minlength=count)[pairs[:, 0]]
+    kept = (pairs[:, 1] >= 0) & (shares > _CARRIED)
+    return pairs[kept].T
+
 
 def layer_order(count: int, carried: np.ndarray, carrying: np.ndarray) -> np.ndarray:
     """Layers in an order in which what carries comes before what it carries, the lowest number first where it is free.

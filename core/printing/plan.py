@@ -19,7 +19,8 @@ from .flat import flat_below, is_flat
 from .gcode import GAP, INNER, SPARSE, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
-from .order import count_levels, layer_order, order_lines
+from .order import carrying_pairs, count_levels, layer_order, order_lines
+from .ramps import Sheets, split_lines
 from .reach import collisions, tilts, tool_axes
 
 KINDS = (WALL, INNER, GAP, SPARSE)
@@ -33,8 +34,6 @@ _SLACK = 0.25
 _BATCH = 8192
 # Less high than this, in spacings, a bead is not printed.
 _NO_HEIGHT = 0.02
-# Share of a bead that lies on another layer from which on that has to be there before.
-_CARRIED = 0.02
 # Seams at the back lie as far in this direction as can be: on a side across Y at its left end.
 _BACK = np.array([-0.1, 1.0, 0.0])
 
@@ -47,7 +46,8 @@ class PrintPlan:
     ----------
     lines : Isolines over the triangles of the layers
     layers : (l,) the layer of each line
-    levels : (c,) how many layers lie below each layer, one on the other
+    sheets : (l,) the sheet of each line, see :mod:`.ramps`; its layer where none is a ramp
+    levels : (l,) how many sheets lie below that of each line, one on the other
     widths : (n,) at the lines' points
     below : Below
     down, up : (n,) how far the bead reaches below and above the layer: half way to the next layer, or to the end of the
@@ -67,6 +67,7 @@ class PrintPlan:
 
     lines: Isolines
     layers: np.ndarray
+    sheets: np.ndarray
     levels: np.ndarray
     widths: np.ndarray
     below: Below
@@ -148,10 +149,10 @@ class PrintPlan:
             self.widths * machine.scale,
             heights * machine.scale,
             runs,
-            self.layers[of],
+            self.sheets[of],
             self.step * machine.scale,
             [KINDS[kind] for kind in self.kinds[of]],
-            self.levels[self.layers[of]],
+            self.levels[of],
         )
 
     def runs_of(self, chosen: np.ndarray) -> list[np.ndarray]:
@@ -182,25 +183,43 @@ def print_plan(
     machine : Machine
     step, spacing : between beads, and mean distance of layers, scene units
     """
-    lines = beads.lines
-    at = beads.layers[lines.numbers]
-    look = flat_below if is_flat(surfaces) else below
+    lines, widths, layers, kinds = beads.lines, beads.widths, beads.layers, beads.kinds
+    sheets, count, flat = layers, surfaces.count, is_flat(surfaces)
+    ramps = None if flat else Sheets.find(surfaces, solid, spacing)
+    if ramps is not None:
+        numbers = lines.numbers
+        lines, sheets, points = split_lines(lines, ramps.at(lines), step)
+        widths, kinds, layers, count = (
+            widths[points],
+            kinds[numbers[points[lines.starts]]],
+            ramps.layers[sheets],
+            len(ramps.layers),
+        )
+    at = layers[lines.numbers]
+    look = flat_below if flat else below
     found, over = (look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1))
-    carried, carrying = _carrying_layers(lines, beads.layers, found, surfaces.count)
-    order = layer_order(surfaces.count, carried, carrying)
+    lower = found.layers if ramps is None else ramps.below(lines.points, lines.normals, found)
+    carried, carrying = carrying_pairs(sheets[lines.numbers], lower, count)
+    order = layer_order(count, carried, carrying)
     back = _BACK @ matrix[:3, :3] if machine.seam == "back" else None
-    made, chosen, points = order_lines(lines, beads.layers, order, back)
-    layers, found, over = beads.layers[chosen], found.at(points), over.at(points)
+    made, chosen, points = order_lines(lines, sheets, order, back)
+    sheets, found, over, lower, widths = (
+        sheets[chosen],
+        found.at(points),
+        over.at(points),
+        lower[points],
+        widths[points],
+    )
     places = _place_bead(matrix, made.points)
     world = _place_bead(matrix, solid.vertices)
     lowest = np.append((world.min(axis=0) + world.max(axis=0))[:2] / 2, world[:, 2].min())
     normals = made.normals @ matrix[:3, :3].T
     feet = places[:, 2] - found.heights * normals[:, 2] - lowest[2]
-    rank = np.empty(surfaces.count + 2, int)
-    rank[order], rank[OUTSIDE], rank[NOTHING] = np.arange(surfaces.count), surfaces.count, surfaces.count
+    rank = np.empty(count + 2, int)
+    rank[order], rank[OUTSIDE], rank[NOTHING] = np.arange(count), count, count
     on_bed = (found.layers < 0) & (feet < _ON_BED * spacing)
-    ranks = rank[layers[made.numbers]]
-    overhangs = (rank[found.layers] > ranks) & ~on_bed
+    ranks = rank[sheets[made.numbers]]
+    overhangs = (rank[lower] > ranks) & ~on_bed
     overhangs &= ~_leaning(places, made.next, ranks, overhangs, _LEAN * spacing)
     scaled = replace(
         machine,
@@ -208,12 +227,12 @@ def print_plan(
         nozzle_length=machine.nozzle_length / machine.scale,
     )
     lengths, volume = point_lengths(made), float(solid.volumes.sum())
-    ways = _own_ways(found, over, lengths * beads.widths[points], volume, spacing)
+    ways = _own_ways(found, over, lengths * widths, volume, spacing)
     down, up = (np.maximum(even_along(made, lengths * way, step), 0) for way in ways)
     met = collisions(places + up[:, None] * normals, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
     return PrintPlan(
-        made, layers, count_levels(order, carried, carrying), beads.widths[points], found, down, up,
-        beads.kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met,
+        made, layers[chosen], sheets, count_levels(order, carried, carrying)[sheets], widths, found, down, up,
+        kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met,
         lowest,
     )  # fmt: skip
 
@@ -248,15 +267,6 @@ def _leaning(
         which, other = pairs_within(tree, points[part], reach)
         result[part[which[ranks[piece[other]] < ranks[part[which]]]]] = True
     return result
-
-
-def _carrying_layers(lines: Isolines, layers: np.ndarray, found: Below, count: int) -> np.ndarray:
-    """Layers that lie on others with more than a small share, and these."""
-    of = layers[lines.numbers]
-    pairs, numbers = np.unique(np.column_stack([of, found.layers]), axis=0, return_counts=True)
-    shares = numbers / np.bincount(of, minlength=count)[pairs[:, 0]]
-    kept = (pairs[:, 1] >= 0) & (shares > _CARRIED)
-    return pairs[kept].T
 
 
 def _place_bead(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:

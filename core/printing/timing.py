@@ -69,14 +69,14 @@ def feed_words(
 
 def overhead_seconds(
     places: np.ndarray, ways: np.ndarray, seconds: np.ndarray, first: np.ndarray, machine: Machine
-) -> float:
-    """Seconds for travels, and for speeding up and slowing down: at the ends of beads and in corners."""
+) -> np.ndarray:
+    """(m,) seconds before each move: of the travel to its bead, or to speed up and slow down in a corner."""
     speeds = np.where(first, 0, ways / np.where(seconds > 0, seconds, 1))
     steps = np.diff(places, axis=0, prepend=places[:1])
     lengths = np.linalg.norm(steps, axis=1)
-    travels = lengths[first] / (machine.travel_feed / 60)
-    travels += machine.travel_feed / 60 / machine.acceleration
+    fastest = machine.travel_feed / 60
+    travels = lengths / fastest + fastest / machine.acceleration
     directions = steps / np.where(lengths > 0, lengths, 1)[:, None]
     bent = np.einsum("kx,kx->k", directions[1:], directions[:-1]) < np.cos(np.radians(_CORNER))
-    stops = speeds[1:][bent & ~first[1:]].sum() / machine.acceleration
-    return float(travels.sum() + stops)
+    stops = np.where(np.append(False, bent), speeds / machine.acceleration, 0)
+    return np.where(first, travels, stops)

@@ -67,6 +67,12 @@ def is_of_filaments(modifier):
     return _uses(modifier, [FILAMENTS])
 
 
+def modifier_of(obj, name):
+    """The first modifier of an object with a node group whose name begins with this, or None."""
+    groups = [(modifier, modifier.node_group) for modifier in obj.modifiers if modifier.type == "NODES"]
+    return next((modifier for modifier, group in groups if group and group.name.startswith(name)), None)
+
+
 def _uses(modifier, names):
     group = modifier.node_group if modifier.type == "NODES" else None
     return group is not None and group.name in names

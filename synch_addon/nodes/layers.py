@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+from ..blender.modifiers import modifier_of
 from ..blender.schema import LAYER
 from ..blender.transaction import store
 from .canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, surface_material
@@ -49,8 +50,7 @@ def open_layers(obj):
 
 def opening_modifier(obj):
     """The modifier of :func:`open_layers`, or None."""
-    groups = [(modifier, modifier.node_group) for modifier in obj.modifiers if modifier.type == "NODES"]
-    return next((modifier for modifier, group in groups if group and group.name.startswith(OPEN_NAME)), None)
+    return modifier_of(obj, OPEN_NAME)
 
 
 def open_layers_group():

@@ -3,8 +3,11 @@
 
 import bpy
 
+from ..blender.modifiers import input_property
 from ..blender.registration import register_all
+from ..nodes.beads import SLIDER, beads_modifier
 from ..solids import memory
+from ..solids.files import beads_of
 from ..solids.links import solid_of
 from .sidebar import SidebarPanel
 
@@ -17,7 +20,8 @@ class SYNCH_PT_layer_files(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and memory.holds_layers(solid_of(context.active_object))
+        obj = solid_of(context.active_object)
+        return super().poll(context) and (memory.holds_layers(obj) or beads_of(obj) is not None)
 
     def draw(self, context):
         column = self.layout.column(align=True)
@@ -25,6 +29,10 @@ class SYNCH_PT_layer_files(SidebarPanel, bpy.types.Panel):
         column.operator("synch.layer_toolpaths", icon="CURVE_PATH")
         column.operator("synch.layer_path_export", icon="EXPORT")
         column.operator("synch.layer_volume", icon="VOLUME_DATA")
+        beads = beads_of(solid_of(context.active_object))
+        modifier = beads_modifier(beads) if beads else None
+        if modifier is not None:
+            self.layout.prop(*input_property(modifier, SLIDER), text=SLIDER, slider=True)
 
 
 register, unregister = register_all((SYNCH_PT_layer_files,))

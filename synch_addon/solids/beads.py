@@ -1,54 +1,79 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The beads of a plan as one mesh of tubes, as wide and as high as they are printed, with colours."""
+"""The beads of a plan as tubes, as wide and as high as they are printed, with colours and a slider over time.
+
+Tubes are in several objects, each a few thousand points of the program. The object that is seen shows them as
+instances, so that moving its slider changes the mesh of one of them only, however large the part is.
+"""
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
+from ...core.printing.gcode import print_times
 from ..blender.new_geometry import new_mesh
+from ..nodes.beads import BEGIN, END, PRINTED, show_beads
 from ..nodes.canvas import surface_material
 
 # What the colours of beads may stand for.
 LOOKS = ("layer", "height", "tilt", "speed")
 # Points around a bead; the power that squares it, 1 for an ellipse; and share of its size, so that neighbours show.
 _AROUND, _SQUARE, _GAP = 10, 0.6, 0.97
+# Points of an object of tubes, about.
+_POINTS = 5000
 # Colours from the smallest to the largest value, and those that layers take in turn.
 _SCALE = np.array([[0.02, 0.16, 0.34], [0.16, 0.36, 0.36], [0.6, 0.45, 0.2], [0.6, 0.27, 0.09], [0.5, 0.07, 0.03]])
 _LAYERS = np.array([[0.05, 0.25, 0.5], [0.75, 0.55, 0.25], [0.1, 0.4, 0.35], [0.6, 0.2, 0.1]])
 _COLOR, _MATERIAL = "synch_color", "Synch Beads"
 
 
-def beads_mesh(plan, look):
-    """A mesh in the world: its attributes `layer`, `height`, `tilt` and `speed` hold what the beads have, millimetres,
-    degrees and millimetres a second; one of them is its colours.
+def add_beads(plan, look, name):
+    """The object of beads in the solid's space, and the collection of its tubes, which is in no scene.
+
+    Attributes of the tubes hold what the beads have: `layer`, `height`, `tilt` and `speed` in millimetres, degrees and
+    millimetres a second, and `printed`, the share of the printing time after which they are there.
 
     Parameters
     ----------
     plan : PrintPlan
-    look : one of :data:`LOOKS`
+    look : one of :data:`LOOKS`, the colours
+    name : of the object
     """
-    lines = plan.lines
-    rings = _rings(plan)
-    vertices = rings.reshape(-1, 3)
-    values = _values(plan)
-    data = new_mesh("Beads", vertices, _faces(lines))
-    for name, of in values.items():
-        data.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", np.repeat(of, _AROUND).astype(np.float32))
-    colors = np.repeat(_colors(values[look], look), _AROUND, axis=0)
-    shown = data.color_attributes.new(_COLOR, "FLOAT_COLOR", "POINT")
-    shown.data.foreach_set("color", np.column_stack([colors, np.ones(len(colors))]).ravel().astype(np.float32))
-    data.color_attributes.active_color = shown
-    data.materials.append(_material())
-    return data
+    lines, values = plan.lines, _values(plan)
+    colors, rings = _colors(values[look], look), _rings(plan)
+    ends = np.cumsum(lines.sizes)
+    parts = (ends - 1) // _POINTS
+    tubes, times = [], []
+    for part in np.unique(parts):
+        chosen = parts == part
+        rows = slice(ends[chosen][0] - lines.sizes[chosen][0], ends[chosen][-1])
+        data = new_mesh(f"{name} {len(tubes):04d}", rings[rows].reshape(-1, 3), _faces(lines.chosen(chosen)))
+        data.transform(Matrix(plan.matrix).inverted())
+        for key, of in values.items():
+            _add_attribute(data, key, np.repeat(of[rows], _AROUND))
+        shown = data.color_attributes.new(_COLOR, "FLOAT_COLOR", "POINT")
+        opaque = np.column_stack([colors[rows], np.ones(len(colors[rows]))])
+        shown.data.foreach_set("color", np.repeat(opaque, _AROUND, axis=0).ravel().astype(np.float32))
+        data.color_attributes.active_color = shown
+        data.materials.append(_material())
+        tubes.append(bpy.data.objects.new(data.name, data))
+        times.append(values[PRINTED][rows][[0, -1]])
+    data = new_mesh(name, np.zeros((len(tubes), 3)))
+    for key, of in zip((BEGIN, END), np.transpose(times), strict=True):
+        _add_attribute(data, key, of)
+    obj = bpy.data.objects.new(name, data)
+    return obj, show_beads(obj, tubes)
+
+
+def _add_attribute(data, name, values):
+    data.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", values.astype(np.float32))
 
 
 def _values(plan):
-    """What the beads have at the lines' points; the first layer and the table's limits do not slow the speed here."""
-    machine, layers = plan.machine, plan.layers[plan.lines.numbers]
-    sections = plan.widths * plan.heights * machine.scale**2
-    speeds = np.full(len(sections), machine.feed / 60)
-    if machine.largest_flow:
-        speeds = np.minimum(speeds, machine.largest_flow / np.maximum(sections, 1e-9))
-    return {"layer": layers, "height": plan.heights * machine.scale, "tilt": plan.tilts, "speed": speeds}
+    """What the beads have at the lines' points, by the names of the attributes."""
+    seconds, speeds = print_times(plan.course, plan.machine)
+    layers, scale = plan.layers[plan.lines.numbers], plan.machine.scale
+    printed = seconds / max(seconds[-1], np.finfo(float).tiny)
+    return {"layer": layers, "height": plan.heights * scale, "tilt": plan.tilts, "speed": speeds, PRINTED: printed}
 
 
 def _colors(values, look):

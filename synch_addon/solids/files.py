@@ -16,7 +16,7 @@ from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.new_geometry import add_spline, new_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
-from .beads import beads_mesh
+from .beads import add_beads
 from .links import SOLID
 from .report import program_facts
 
@@ -78,7 +78,7 @@ def _sheet(layering, triangles):
 
 def write_paths(obj, layering, paths, beads=None):
     """A curve object for each layer, numbered upwards, in a collection of their own, and tubes around the places where
-    the tool meets what is printed or prints on air; with one of :data:`beads.LOOKS` the beads, too, as a mesh in its
+    the tool meets what is printed or prints on air; with one of :data:`beads.LOOKS` the beads, too, in its
     colours. Returns the collection.
 
     An earlier run's curves are replaced.
@@ -98,15 +98,12 @@ def write_paths(obj, layering, paths, beads=None):
             made = objects[chosen] = bpy.data.objects.new(data.name, data)
             made.color = colour
     if beads is not None:
-        data = beads_mesh(paths, beads)
-        data.transform(Matrix(layering.matrix).inverted())
-        data.name = f"{obj.name} Beads"
-        objects["beads"] = bpy.data.objects.new(data.name, data)
+        objects["beads"], tubes = add_beads(paths, beads, f"{obj.name} Beads")
     for made in objects.values():
         made[SOLID] = obj
         made.matrix_world = Matrix(layering.matrix)
         collection.objects.link(made)
-    store(collection, _CURVES, objects)
+    store(collection, _CURVES, objects if beads is None else objects | {"tubes": tubes})
     return collection
 
 
@@ -128,14 +125,30 @@ def _flaws(paths, runs):
     return data
 
 
+def beads_of(obj):
+    """The object of beads that was made last of an object's layers and is in a scene, or None."""
+    collection = _find_collection(obj)
+    made = collection[_CURVES].get("beads") if collection and _CURVES in collection else None
+    return made if made and made.users_collection else None
+
+
+def _find_collection(obj):
+    return next((found for found in bpy.data.collections if found.get(SOLID) == obj), None)
+
+
 def _collection(obj):
     """The collection of an object's paths in the scene, without an earlier run's; copies by the user stay."""
-    collection = next((found for found in bpy.data.collections if found.get(SOLID) == obj), None)
+    collection = _find_collection(obj)
     if collection is None:
         collection = bpy.data.collections.new(f"{obj.name} Paths")
         collection[SOLID] = obj
     kept = collection.get(_CURVES, {})
-    earlier = [made for made in getattr(kept, "values", list)() if isinstance(made, bpy.types.Object)]
+    blocks = getattr(kept, "values", list)()
+    # Tubes that a copy of the beads shows stay: their other users are this property and the modifier of the beads.
+    tubes = [made for made in blocks if isinstance(made, bpy.types.Collection) and made.users <= 2]
+    earlier = [made for made in blocks if isinstance(made, bpy.types.Object)]
+    earlier += [tube for made in tubes for tube in made.objects]
+    leave(tubes)
     curves = {made.data for made in earlier}
     for data in curves:
         if data.users == sum(made.data == data for made in earlier):

@@ -172,9 +172,11 @@ def headline(report):
 def _spread(spacings):
     if not spacings["counted"]:
         return "nowhere two in a row"
+    counted = spacings["counted"]
     return (
         f"{spacings['mean']:.4g} apart on average, off by {spacings['deviation'] / spacings['mean']:.1%}, "
         f"98% within {spacings['thinnest']:.4g} to {spacings['thickest']:.4g}"
+        + (f" in {counted:.0%} of the volume: layers end in the rest" if counted < 0.995 else "")
     )
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solids as mesh files have them, from the command line: bodies that overlap, cracks, holes, what is up; and beads."""
+"""Solids as mesh files have them, from the command line: bodies that overlap, cracks, holes, and what is up."""
 
 import json
 
@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.solids.beads import LOOKS
 from synch_fields.synch_addon.solids.surface import read_area, read_surface
 
-from ..solid_objects import attribute, block
+from ..solid_objects import attribute
 
 
 def box(low, high):
@@ -120,28 +118,6 @@ def test_faces_that_look_down_and_up_are_groups(tmp_path):
     report = solved(tmp_path, PLATE, *flags)
     assert report["layers"] == 3 and all(share < 0.01 for share in report["far_from_layers"].values())
     assert set(report["far_from_layers"]) == {"the bottom", "the top"}
-
-
-def test_beads_are_tubes_with_what_they_have():
-    obj = block()
-    api.layers(obj, spacing=0.25, size=0.12)
-    for look in LOOKS:
-        report = api.layer_toolpaths(obj, 0.2, beads=look)
-        (made,) = [one for one in bpy.data.collections[report["collection"]].objects if one.type == "MESH"]
-        places = placed(made)
-        world = placed(obj)
-        assert (places.min(axis=0) > world.min(axis=0) - 0.05).all()
-        assert (places.max(axis=0) < world.max(axis=0) + 0.05).all()
-        assert set(LOOKS) <= {one.name for one in made.data.attributes}
-        colors = np.empty(4 * len(made.data.vertices), np.float32)
-        made.data.color_attributes.active_color.data.foreach_get("color", colors)
-        values = {name: attribute(made, name) for name in LOOKS}
-        assert len(np.unique(colors.reshape(-1, 4), axis=0)) == len(np.unique(values[look])) or look == "height"
-        assert set(values["layer"]) == {0, 1, 2, 3} and np.ptp(values["speed"]) == 0 < values["speed"].min()
-        assert np.abs(values["tilt"]).max() < 1e-3
-        np.testing.assert_allclose(np.quantile(values["height"], [0.1, 0.5, 0.9]), 0.25, rtol=0.05)
-    with pytest.raises(Exception, match="the beads 'size' are unknown: use one of layer"):
-        api.layer_toolpaths(obj, 0.2, beads="size")
 
 
 @pytest.mark.parametrize("inside_out", [False, True])
