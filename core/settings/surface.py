@@ -66,8 +66,8 @@ class SurfaceSettings(SolverSettings):
     guidance: str = _direction_setting(
         AUTOMATIC,
         "Guidance",
-        "What the directions follow: automatic (curvature for quad meshes without constraints, else smooth), smooth, or "
-        f"guides KIND:NAME=STRENGTH separated by commas; kinds: {', '.join(GUIDES)}",
+        "What the directions follow: automatic (curvature for quad meshes without constraints, else smooth), smooth, "
+        f"or guides KIND:NAME=STRENGTH separated by commas; kinds: {', '.join(GUIDES)}",
         placeholder="SPEC",
     )
     angle: float = _direction_setting(

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
-from ..extract.quads.measure.faults import quad_faults
+from ..extract.quads.measure.faults import REMEDY, quad_faults
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
@@ -295,12 +295,12 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh, lost: _LostLines) -> Ite
     if len(kept) < len(all_pieces):
         yield (
             f"{len(all_pieces) - len(kept)} of {len(all_pieces)} pieces of the surface are too small for the quads and "
-            f"left out: reduce the spacing"
+            f"left out: {REMEDY}"
         )
     if len(lost.lengths):
         yield (
             f"{len(lost.lengths)} of {len(lost.all_lengths)} lines of the boundary and of sharp edges are lost, "
-            f"{lost.lengths.sum():.3g} of {lost.all_lengths.sum():.3g} in length: reduce the spacing"
+            f"{lost.lengths.sum():.3g} of {lost.all_lengths.sum():.3g} in length: {REMEDY}"
         )
     for axis, normal in zip(request.settings.mirror, request.mirror_planes, strict=True):
         alone = without_image(quads, normal)
@@ -311,5 +311,5 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh, lost: _LostLines) -> Ite
             )
     others = int((quads.sizes != 4).sum())
     if others and request.settings.branching == 0:
-        yield f"{others} of {len(quads.sizes)} faces are not quads, although no branches are wanted: reduce the spacing"
+        yield f"{others} of {len(quads.sizes)} faces are not quads, although no branches are wanted: {REMEDY}"
     yield from quad_faults(quads, mesh, request.given.is_closed)

@@ -140,7 +140,7 @@ def test_lines_that_are_lost_are_told_with_their_length(share, lost, monkeypatch
     if lost:
         count, of = int(lines[0].split()[0]), int(lines[0].split()[2])
         assert 0 < count <= of == 24
-        assert f"of {mesh.edge_lengths[edges].sum():.3g} in length" in lines[0] and "reduce the spacing" in lines[0]
+        assert f"of {mesh.edge_lengths[edges].sum():.3g} in length" in lines[0] and "ask for more faces, or a smaller spacing" in lines[0]
 
 
 def test_faces_that_are_no_quads_are_told_where_none_were_asked_for(monkeypatch):

@@ -14,6 +14,8 @@ MOST_CORNERS = 8
 FARTHEST = 1.0
 # Largest share of faces with a corner turned over.
 FOLDED = 0.01
+# What to do about faults, in messages.
+REMEDY = "ask for more faces, or a smaller spacing"
 
 
 def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str, ...]:
@@ -35,7 +37,7 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
             f"{figures['edge_length']:.3g}",
         ),
     )
-    return tuple(f"{line}: ask for more faces, or a smaller spacing" for is_there, line in found if is_there)
+    return tuple(f"{line}: {REMEDY}" for is_there, line in found if is_there)
 
 
 def distance(quads: QuadMesh, mesh: TriangleMesh, enough: float = 0.0) -> float:
