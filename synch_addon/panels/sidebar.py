@@ -11,7 +11,7 @@ from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
-from ..jobs.queue import queue
+from ..jobs.queue import Work, queue
 from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
@@ -210,6 +210,10 @@ def draw_unready(layout, obj):
     reason = refusal(obj)
     if obj is not None and any(map(is_of_filaments, obj.modifiers)):
         layout.label(text=translate("{name}: vortex filaments", name=obj.name), icon="FORCE_VORTEX", translate=False)
+    elif obj is not None and obj.type in {"CURVE", "VOLUME"}:
+        layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
+        where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"
+        layout.label(text=where, icon="FORCE_VORTEX")
     elif reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
@@ -228,11 +232,19 @@ def draw_shape(layout, obj):
 
 def draw_work(bar, row, work):
     """How far a job is, and the buttons that end it, which stand where those that begin one do."""
-    bar.progress(factor=work.fraction, text=f"{work.fraction:.0%}  {work.times}" if work.has_begun else work.line)
+    bar.progress(factor=work.fraction, text=work.short_line)
     if work.can_be_kept:
         row.operator("synch.keep", icon="CHECKMARK")
     text = "Cancel" if work.picture is None else "Discard"
     row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
+
+
+def draw_estimate(layout, label, seconds, megabytes=None):
+    """About how long work of a name takes, and how much memory."""
+    line = translate("About {seconds:.0f} s", seconds=max(Work.seconds_here(label, seconds), 1))
+    if megabytes is not None:
+        line = f"{line}, {megabytes:,.0f} MB"
+    layout.label(text=line, icon="TIME", translate=False)
 
 
 def draw_others(layout, obj):
