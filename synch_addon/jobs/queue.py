@@ -17,6 +17,8 @@ from .worker import Worker, WorkerGone
 
 # Most that the time of one job counts, as a factor of what was expected.
 _FAR = 10.0
+# Letters of a stage that fit into the progress bar beside the time that is left; seconds from which on minutes are told.
+_SHORT, _MINUTES = 12, 100
 # Seconds after its last job at which the child ends, and between two looks.
 _IDLE, _LOOK = 300.0, 30.0
 
@@ -147,10 +149,11 @@ class Work:
     @property
     def short_line(self):
         """How far it is, for the progress bar: the seconds left, or what it does and for how long."""
-        left = self._left
-        told = f"{translate(self._doing[0])}, {self.age:.0f} s"
+        left, stage = self._left, translate(self._doing[0])
+        told = f"{stage}, {as_time(self.age)}"
         if left is not None:
-            told = translate("about {left:.0f} s left", left=left)
+            told = translate("about {left} left", left=as_time(left))
+            told = f"{stage}, {told}" if len(stage) <= _SHORT else told
         return f"{self.fraction:.0%}  {told}" if self.has_begun else self.line
 
     @property
@@ -166,10 +169,13 @@ class Work:
     @property
     def times(self):
         """Seconds that have passed, and about how many are left, where that can be told."""
-        passed, left = self.age, self._left
-        if left is None:
-            return translate("{passed:.0f} s", passed=passed)
-        return translate("{passed:.0f} s, about {left:.0f} s left", passed=passed, left=left)
+        passed, left = as_time(self.age), self._left
+        return passed if left is None else f"{passed}, {translate('about {left} left', left=as_time(left))}"
+
+
+def as_time(seconds):
+    """A number of seconds as a person says it."""
+    return f"{seconds:.0f} s" if seconds < _MINUTES else f"{seconds / 60:.0f} min"
 
 
 class Queue:

@@ -11,11 +11,11 @@ from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
-from ..jobs.queue import Work, queue
+from ..jobs.queue import Work, as_time, queue
 from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
-from ..patterns.refine import draw_told, draw_warning
+from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, source_of
 from ..settings.preferences import is_simple, preferences
@@ -128,7 +128,7 @@ def draw_main(layout, obj):
     work = next((work for work in queue.works if not work.is_quiet and work.obj == obj), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
-    button.scale_y = 1.3
+    button.scale_y = 1.6
     if work is not None:
         draw_work(button, row, work)
     elif again:
@@ -146,20 +146,22 @@ def draw_main(layout, obj):
     if simple.kind == "quad_mesh":
         column.prop(settings, "faces")
     if simple.kind == "quad_mesh" and not settings.faces:
-        column.label(text="0: as many as the lines give", icon="BLANK1")
+        count = expected_faces(source_of(obj) or obj)
+        if count is not None:
+            column.label(text=translate("0: about {count:,} faces", count=count), icon="BLANK1", translate=False)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
         column.prop(settings, "loops")
-    else:
-        column.prop(simple, "direction")
-        if simple.direction == "AXIS":
-            column.row().prop(settings.guide, "axis", expand=True)
-        if simple.direction == "STROKES":
-            draw_strokes(column)
-        axes = {*mirror_axes(obj), *(axis for axis in range(3) if settings.mirror[axis])}
-        if axes:
-            draw_mirror(column, settings, sorted(axes))
+    source = source_of(obj) if again else obj  # whose directions count
+    column.prop(source.synch_simple, "direction")
+    if source.synch_simple.direction == "AXIS":
+        column.row().prop(source.synch.guide, "axis", expand=True)
+    if simple.direction == "STROKES" and not again:
+        draw_strokes(column)
+    axes = {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
+    if axes:
+        draw_mirror(column, settings, sorted(axes))
     if simple.kind != "directions":
         draw_share(column, settings, "branching")
 
@@ -168,7 +170,9 @@ def draw_spacing(column, simple, settings):
     """How far lines are apart, as a length and as lines across the object; a length that is set is no longer
     automatic."""
     row = column.row(align=True)
-    row.prop(simple, "lines")
+    lines = row.row(align=True)
+    lines.active = not settings.automatic_spacing
+    lines.prop(simple, "lines")
     row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
     if settings.automatic_spacing:
         draw_told(column, simple.kind, source_of(simple.id_data) or simple.id_data)
@@ -241,7 +245,7 @@ def draw_work(bar, row, work):
 
 def draw_estimate(layout, label, seconds, megabytes=None):
     """About how long work of a name takes, and how much memory."""
-    line = translate("About {seconds:.0f} s", seconds=max(Work.seconds_here(label, seconds), 1))
+    line = translate("About {time}", time=as_time(max(Work.seconds_here(label, seconds), 1)))
     if megabytes is not None:
         line = f"{line}, {megabytes:,.0f} MB"
     layout.label(text=line, icon="TIME", translate=False)

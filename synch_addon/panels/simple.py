@@ -27,7 +27,7 @@ _DIRECTION_ITEMS = (
 )
 _KIND_ITEMS = (
     ("stripes", "Stripes", "Even stripes over the surface", "MOD_WAVE", 0),
-    ("quads", "Quads", "A grid of squares over the surface", "MESH_GRID", 1),
+    ("quads", "Quad Pattern", "A grid of squares over the surface", "MESH_GRID", 1),
     ("quad_mesh", "Quad Mesh", "A new mesh of quads, and the object is hidden", "MOD_REMESH", 2),
     ("directions", "Directions", "A direction at each vertex, without lines", "ORIENTATION_NORMAL", 3),
 )

@@ -96,6 +96,16 @@ def expected_spacing(command, obj):
     return wished_spacing(found.area, per_period) if is_refined and obj.synch.surface != "FACES" else told
 
 
+def expected_faces(obj):
+    """About how many faces a quad mesh gets from the lines that are set; None where that is not known."""
+    found = mesh_detail(obj) if obj.mode == "OBJECT" else None
+    if found is None:
+        return None
+    spacing = expected_spacing("quad_mesh", obj) if obj.synch.automatic_spacing else obj.synch.spacing
+    side = spacing / lines_in_period("quad_mesh")
+    return round(found.area / side**2) if side > 0 else None
+
+
 def missing_levels(obj):
     """Number of subdivisions that the mesh needs for the spacing that is set, to be rounded up; 0 or less for none.
 
@@ -211,6 +221,10 @@ def draw_told(column, command, obj):
 
 
 def _as_length(number):
+    """A length in the scene's unit, as Blender's fields show it."""
+    units = bpy.context.scene.unit_settings
+    if units.system == "METRIC" and units.length_unit == "METERS":
+        return f"{number * units.scale_length:.3g} m"
     return bpy.utils.units.to_string(bpy.context.scene.unit_settings.system, "LENGTH", number, precision=3)
 
 

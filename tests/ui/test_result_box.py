@@ -18,7 +18,7 @@ def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
     for step in (10, 30, 50):
         panel.move(width - (step, 0))
     panel.release()
-    assert panel.value("part('panels.look').look_of(active())[1]") < 0.4
+    assert panel.value("part('panels.look').look_of(active())[2]") < 0.4
 
     def is_thinner(picture):
         """thinner stripes"""

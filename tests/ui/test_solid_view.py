@@ -23,7 +23,7 @@ def test_a_pattern_is_seen_in_solid_view_at_once_and_goes_by_a_click(panel, keep
     panel.run("bpy.ops.object.shade_smooth()")
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.6")
     assert is_plain(panel.picture("WINDOW"))
-    for button, name in (("Stripes", "solid_stripes"), ("Quads", "solid_quads")):
+    for button, name in (("Stripes", "solid_stripes"), ("Quad Pattern", "solid_quads")):
         panel.run(f"active().synch_simple.kind = {button.lower()!r}; area().tag_redraw()")
         panel.click(button)
         panel.wait_for("Variation")

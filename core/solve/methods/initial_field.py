@@ -79,9 +79,7 @@ def _smooth(piece: Piece, stage: Stage, point: np.ndarray) -> np.ndarray:
     return point
 
 
-def first_field(
-    workspace: Workspace, rank: int, seed: int, monitor: Monitor, is_rough: bool = False
-) -> np.ndarray:
+def first_field(workspace: Workspace, rank: int, seed: int, monitor: Monitor, is_rough: bool = False) -> np.ndarray:
     """(N * width, 1) field, from a lifted one of a given rank, some percent above the energy of the whole solve.
 
     A rough one, of a workspace with a rough hierarchy, is only smoothed on the finest stage.

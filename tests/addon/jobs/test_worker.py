@@ -103,7 +103,10 @@ def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
     os.kill(child(), signal.SIGKILL)
     assert loop.run(operator) == {"CANCELLED"} and snapshot() == before and loop.free
     (report,) = operator.reports
-    assert report == ({"ERROR"}, "Icosphere: the process that solves has ended (signal 9): nothing was changed, run again")
+    assert report == (
+        {"ERROR"},
+        "Icosphere: the process that solves has ended (signal 9): nothing was changed, run again",
+    )
     loop, operator = begun(Stripes())
     assert loop.run(operator) == {"FINISHED"}
 
