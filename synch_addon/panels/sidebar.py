@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar tab "Synch" of the 3D View."""
 
+import math
+from dataclasses import asdict
+
 import bpy
 
+from ...core.errors import SynchError
 from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
@@ -11,19 +15,21 @@ from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
+from ..jobs.kept_results import read_result_or_empty
 from ..jobs.queue import Work, as_time, queue
 from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
-from ..settings.fields import MESH_NAMES, source_of
+from ..settings.fields import MESH_NAMES, source_of, stored_settings
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
 
+KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern"}
 # Jobs of the row that are shown, the others by their number.
 SHOWN_JOBS = 5
 
@@ -136,7 +142,12 @@ def draw_main(layout, obj):
         row.label(text=translate("Made of {name}", name=source_of(obj).name), icon="OBJECT_DATA", translate=False)
     else:
         icon = layout.enum_item_icon(simple, "kind", simple.kind)
-        button.operator(f"synch.{simple.kind}", icon_value=icon)
+        if shows_other_settings(obj, simple.kind):
+            label = translate(KIND_LABELS[simple.kind])
+            text = translate("Update {what}", what=label)
+            button.operator(f"synch.{simple.kind}", text=text, icon="FILE_REFRESH", translate=False)
+        else:
+            button.operator(f"synch.{simple.kind}", icon_value=icon)
         property_column(row).prop(simple, "kind")
     layout = layout.column()
     layout.enabled = can_set(obj)
@@ -164,6 +175,25 @@ def draw_main(layout, obj):
         draw_mirror(column, settings, sorted(axes))
     if simple.kind != "directions":
         draw_share(column, settings, "branching")
+
+
+def shows_other_settings(obj, kind):
+    """Whether an object shows a pattern of a kind that was solved with other settings than the panel has now."""
+    result = read_result_or_empty(obj.synch.result)
+    if kind not in {"stripes", "quads"} or result.get("command") != kind or not result.get("settings"):
+        return False
+    try:
+        now = asdict(stored_settings(obj).for_command(kind))
+    except SynchError:
+        return False
+    names = {"guidance", "symmetry", "angle", "mirror", "branching", "singularities", "aspect", "boundary"}
+    names |= set() if obj.synch.automatic_spacing else {"spacing"}
+    return any(not _are_same(now[name], result["settings"].get(name, now[name])) for name in names)
+
+
+def _are_same(first, second):
+    numbers = isinstance(first, float | int) and isinstance(second, float | int)
+    return math.isclose(first, second, rel_tol=1e-4, abs_tol=1e-6) if numbers else first == second
 
 
 def draw_spacing(column, simple, settings):
@@ -230,7 +260,7 @@ def draw_shape(layout, obj):
     key = measured_key(obj)
     if key is not None:
         row = layout.row(align=True)
-        row.label(text=translate("Measured: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
+        row.label(text=translate("Shape: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
 
 

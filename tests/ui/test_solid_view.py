@@ -60,7 +60,7 @@ def test_the_ink_follows_a_shape_key_a_frame_and_the_object_that_goes(panel, kee
         "key.keyframe_insert('value', frame=20)\n"
         "bpy.context.scene.frame_set(1)"
     )
-    panel.wait_for(panel.says("Measured: {shape}", shape="Basis"))
+    panel.wait_for(panel.says("Shape: {shape}", shape="Basis"))
     panel.wait_to_see(is_inked, "WINDOW")
     straight = inked(panel.picture("WINDOW"))
     panel.run("bpy.context.scene.frame_set(20)")
