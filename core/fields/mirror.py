@@ -41,6 +41,10 @@ class Reflection:
     def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
         raise NotImplementedError
 
+    def has_image_of_each(self, mesh: TriangleMesh, pins: Sequence[tuple[int, float]]) -> bool:
+        """Whether pins of triangles with an index are their own mirror image."""
+        return False
+
     def direction_links(self, symmetry: int) -> Links:
         """Links between the powers of a direction field."""
         first, second = self._pairs()
@@ -84,6 +88,12 @@ class Mirror(Reflection):
         turns = mesh.tangent_numbers(image[partner])
         # Diagonals of faces need not be mirrored, so that tangent planes may lean a little.
         return cls(partner, np.angle(turns + turns[partner]), f"the mirror in {'XYZ'[axis]}")
+
+    def has_image_of_each(self, mesh: TriangleMesh, pins: Sequence[tuple[int, float]]) -> bool:
+        """As of :class:`Reflection`; triangles of one face, which share two vertices, count as the same."""
+        own = [(set(mesh.triangles[triangle].tolist()), index) for triangle, index in pins]
+        images = [(set(self.partner[mesh.triangles[triangle]].tolist()), index) for triangle, index in pins]
+        return all(any(len(first & second) > 1 and a == b for second, b in own) for first, a in images)
 
     def image_of_face(self, polygons: Polygons, face: int) -> int:
         """The face at the mirror image of a face."""

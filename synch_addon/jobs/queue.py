@@ -17,7 +17,7 @@ from .worker import Worker, WorkerGone
 
 # Most that the time of one job counts, as a factor of what was expected.
 _FAR = 10.0
-# Letters of a stage that fit into the progress bar beside the time that is left; seconds from which on minutes are told.
+# Letters of a stage that fit into the progress bar beside a time, and seconds from which on times are in minutes.
 _SHORT, _MINUTES = 12, 100
 # Seconds after its last job at which the child ends, and between two looks.
 _IDLE, _LOOK = 300.0, 30.0

@@ -106,3 +106,16 @@ def test_a_move_of_a_face_has_its_mirror_images():
     if mirrors[0].image_of_face(polygons, on_plane) == on_plane:
         with pytest.raises(SettingError, match="stays there"):
             mirrored_moves(mirrors, polygons, on_plane, end)
+
+
+def test_pins_on_both_sides_of_a_mirror_hold():
+    mesh = icosphere(3)
+    mirror = Mirror.of(mesh, mirrored_vertices(mesh, Polygons.of_triangles(mesh), 0), 0)
+    places = mesh.vertices[mesh.triangles].mean(axis=1)
+    pinned = [int(np.linalg.norm(places - [side, 0.2, 0.5], axis=1).argmin()) for side in (0.6, -0.6)]
+    pins = tuple((triangle, 0.5) for triangle in pinned)
+    field = direction_field(mesh, 2, DirectionWishes(mirrors=(mirror,), pins=pins))
+    assert [indices(field)[triangle] for triangle in pinned] == [0.5, 0.5]
+    assert sum(indices(field).values()) == pytest.approx(2)
+    with pytest.raises(SettingError, match="one side of a mirror"):
+        direction_field(mesh, 2, DirectionWishes(mirrors=(mirror,), pins=pins[:1]))
