@@ -8,6 +8,7 @@ from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
+from ..patterns.refine import as_length
 from ..settings.fields import source_of
 from ..settings.preferences import is_simple
 from .row_operators import can_set
@@ -204,8 +205,7 @@ def draw_figures(layout, result, held, faces):
     if result.get("evenness"):
         low, _, _, _, high = result["evenness"]["spacing"]
         off = result["evenness"]["off_share"]
-        units, spacing = bpy.context.scene.unit_settings.system, result["settings"]["spacing"]
-        length = bpy.utils.units.to_string(units, "LENGTH", spacing, precision=3)
+        length = as_length(result["settings"]["spacing"])
         line(translate("{length} apart on {count:,} faces", length=length, count=faces), "DOT", "spacing")
         line(
             translate("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off),

@@ -207,7 +207,7 @@ def draw_warning(layout, obj):
         text = one if across == 1 else translate("Coarse mesh: about {count} lines across", count=across)
         column.label(text=text, icon="ERROR")
     else:
-        column.label(text=translate("Coarse mesh: carries {spacing}", spacing=_as_length(found.spacing)), icon="ERROR")
+        column.label(text=translate("Coarse mesh: carries {spacing}", spacing=as_length(found.spacing)), icon="ERROR")
     text = translate("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
 
@@ -216,11 +216,11 @@ def draw_told(column, command, obj):
     """Say what the automatic spacing of a command is."""
     told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
     if told is not None:
-        text = translate("About {length} apart", length=_as_length(told))
+        text = translate("About {length} apart", length=as_length(told))
         column.label(text=text, icon="BLANK1", translate=False)
 
 
-def _as_length(number):
+def as_length(number):
     """A length in the scene's unit, as Blender's fields show it."""
     units = bpy.context.scene.unit_settings
     if units.system == "METRIC" and units.length_unit == "METERS":

@@ -28,7 +28,7 @@ def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
     keep("look", panel.picture())
 
     figures(panel, result(panel))
-    panel.wait_for(panel.says("{length} apart on {count:,} faces", length="80 cm", count=1280))
+    panel.wait_for(panel.says("{length} apart on {count:,} faces", length="0.8 m", count=1280))
     panel.scroll_to("Empties", up=True)
     panel.click("Empties")
     panel.until("all(not empty.visible_get() for empty in active().children)")
