@@ -137,10 +137,11 @@ def expect(callback: Callback | None, seconds: float) -> None:
 def seconds_left(passed: float, fraction: float, expected: float | None = None) -> float | None:
     """Estimate the seconds that work still takes; None if that is unknown.
 
-    At first the ``expected`` total counts, and from the middle on only the share of the work that is done.
+    At first the ``expected`` total counts; from the middle of the work on, or when so much time has passed, only the
+    share of the work that is done.
     """
     if expected is None:
         return passed * (1 / fraction - 1) if fraction > _TELLING else None
-    weight = min(2 * fraction, 1)
+    weight = min(max(2 * fraction, passed / expected), 1)
     total = expected ** (1 - weight) * (passed / fraction) ** weight if fraction > 0 else expected
     return max(total - passed, 0.0)

@@ -199,10 +199,8 @@ def _are_same(first, second):
 def draw_spacing(column, simple, settings):
     """How far lines are apart, as a length and as lines across the object; a length that is set is no longer
     automatic."""
-    row = column.row(align=True, heading="Lines Across")
-    lines = row.row(align=True)
-    lines.active = not settings.automatic_spacing
-    lines.prop(simple, "lines", text="")
+    row = column.row(align=True)
+    row.prop(simple, "lines")
     row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
     if settings.automatic_spacing:
         draw_told(column, simple.kind, source_of(simple.id_data) or simple.id_data)

@@ -49,7 +49,7 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     work.expected = work.age + 60.0
     work.fraction = 0.0
     assert re.fullmatch(r"\d+ s, about (59|60) s left", work.times)
-    assert re.fullmatch(r"0%  about (59|60) s left", work.short_line)
+    assert re.fullmatch(r"0%  [a-z ]+, about (59|60) s left", work.short_line)
     work.expected = None
     assert re.fullmatch(r"0%  [a-z ]+, \d+ s", work.short_line)
     work._told = work.age, 1e-3  # far less than it will take
