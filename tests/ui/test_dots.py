@@ -33,11 +33,11 @@ def ball_with_stripes(panel, settings=""):
 
 
 def front_dot(window, kind, aside=0.0):
-    """The dot of a kind that is nearest to the middle of what is seen, farther to the right than so many pixels: its
-    place in the window, and its face."""
+    """The dot of a kind that is nearest to the middle of what is seen, farther up than so many pixels: its place in
+    the window, and its face."""
     found = np.array([dot for dot in window.run(DOTS.format(kind)) if dot[3] > 0.8])
-    middle = window.value("pixel((0, 0, 0))")[0]
-    found = found[found[:, 0] > middle + aside] if aside else found
+    middle = window.value("pixel((0, 0, 0))")[1]
+    found = found[found[:, 1] > middle + aside] if aside else found
     x, y, width, height = window.region("WINDOW")
     nearest = np.linalg.norm(found[:, :2] - (x + 0.4 * width, y + height / 2), axis=1).argmin()
     return found[nearest, :2], int(found[nearest, 2])
@@ -96,7 +96,7 @@ def test_a_swirl_point_is_pinned_where_it_is_let_go_and_the_others_where_they_ar
 
 
 def test_a_line_end_moves_on_both_sides_of_a_mirror(panel, keep):
-    window = ball_with_stripes(panel, "active().synch.mirror = True, False, False")
+    window = ball_with_stripes(panel, "active().synch.mirror = False, True, False")
     place, face = front_dot(window, "dislocation", aside=60)
     before = window.value(FACES.format("dislocation"))
     rest(window, place)

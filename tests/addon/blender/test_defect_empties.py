@@ -51,12 +51,12 @@ def test_a_second_run_replaces_the_empties_of_the_kinds_that_it_is_given():
 def test_collections_of_earlier_versions_get_the_present_names():
     obj = FACES["regular quad"].build()
     write_defects(obj, some_defects())
-    for collection in bpy.data.collections:
+    for collection in list(bpy.data.collections):  # a new name moves one
         collection.name = f"Synch {collection.name}"
     write_defects(FACES["regular quad"].build(), some_defects())
     write_defects(obj, some_defects())
     assert sorted(bpy.data.collections.keys()) == ["Defects", "Defects: face", "Defects: face.001"]
-    for collection in bpy.data.collections:
+    for collection in list(bpy.data.collections):  # a new name moves one
         collection.name = f"Synch {collection.name}"
     delete(obj)
     assert len(orphaned_empties()) == 3
