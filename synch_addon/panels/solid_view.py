@@ -89,6 +89,11 @@ def drawn_pattern(obj, depsgraph):
     )
 
 
+def _shows_faces(overlay, obj):
+    """Whether what Blender draws on an object's faces is to be seen between the stripes."""
+    return obj.show_wire or overlay.show_wireframes or overlay.show_face_orientation
+
+
 class _View:
     """Draws the patterns in all 3D views."""
 
@@ -117,7 +122,9 @@ class _View:
                 view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
                 color, background, share = look_of(obj)
                 if obj.mode == "WEIGHT_PAINT":  # the map that is painted is seen between thin lines
-                    background, share = None, min(share, _PAINTED)
+                    share = min(share, _PAINTED)
+                if obj.mode == "WEIGHT_PAINT" or _shows_faces(context.space_data.overlay, obj):
+                    background = None
                 pattern.draw(view, region.window_matrix, color, background, share)
 
 
