@@ -13,6 +13,8 @@ from .errors import Cancelled
 from .threads import start_thread
 
 POLL_SECONDS = 0.05
+# Share of the work after which its time can be estimated without an expected total.
+_TELLING = 0.15
 # Called with a stage and a fraction of the work; a false answer other than None cancels.
 Callback = Callable[[str, float], bool | None]
 Result = TypeVar("Result")
@@ -125,14 +127,21 @@ def portion(callback: Callback | None, start: float, share: float) -> Callback |
     return lambda stage, fraction: callback(stage, start + share * fraction)
 
 
-def with_seconds_left(callback: Callback | None, seconds: float) -> Callback | None:
-    """Derive a callback whose stages add the seconds left, of those that the work usually takes from now on."""
-    if callback is None:
-        return None
-    begin = time.perf_counter()
+def expect(callback: Callback | None, seconds: float) -> None:
+    """Tell a callback with a method ``expect`` how many seconds of one core the work usually takes from now on."""
+    tell = getattr(callback, "expect", None)
+    if tell is not None:
+        tell(seconds)
 
-    def estimate(stage: str, fraction: float) -> bool | None:
-        left = seconds - (time.perf_counter() - begin)
-        return callback(f"{stage}, about {left:.0f} s left" if left >= 1 else stage, fraction)
 
-    return estimate
+def seconds_left(passed: float, fraction: float, expected: float | None = None) -> float | None:
+    """Estimate the seconds that work still takes; None if that is unknown.
+
+    At first the ``expected`` total counts; from the middle of the work on, or when so much time has passed, only the
+    share of the work that is done.
+    """
+    if expected is None:
+        return passed * (1 / fraction - 1) if fraction > _TELLING else None
+    weight = min(max(2 * fraction, passed / expected), 1)
+    total = expected ** (1 - weight) * (passed / fraction) ** weight if fraction > 0 else expected
+    return max(total - passed, 0.0)

@@ -16,6 +16,7 @@ from .settings.solver import SolverSettings
 METHODS: tuple[str, ...] = tuple(choice.name for choice in solver.METHODS)
 DESCENT = "descent"
 FIRST = "first"
+GLANCE = "glance"
 COARSE = "coarse"
 # A rounding: a search on a coarse stage, and diffusion on the finest one, which moves lines of defects in space.
 COARSE_DIFFUSED = "coarse-diffused"

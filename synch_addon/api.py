@@ -159,9 +159,7 @@ def place_defects(
     renumber : whether numbered stripes are numbered anew; :func:`numbers.renew_shown` does it after the last of many
     onto : state of :func:`memory.recall` that they are put into, in place of what is shown
 
-    Result and errors as :func:`vary`. Where phases are mirrored, the whole pattern changes to one with defects there
-    (Section 4.6), and how many there may be is the rank of the lifted field less one, for line and cross fields half of
-    that.
+    Result and errors as :func:`vary`. Where phases are mirrored, the same happens at the mirror images.
     """
     return _edit(obj, lambda solved: with_line_ends(solved.needed_pattern, vertices), renumber, onto)
 

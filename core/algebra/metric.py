@@ -37,6 +37,8 @@ SMOOTHED_PART = 0.3
 # Diagonals are raised to this many times the largest that rounding has made negative.
 ROUNDING_MARGIN = 10.0
 POWER_STEPS = 10
+# No eigenvalue of a connection Laplacian over its diagonal is larger.
+LARGEST = 2.0
 SAFETY = 1.1
 # Factor on the Jacobi step that is added to the coarser levels' part, against that of a cycle: at half of it the
 # relaxation takes 21 % more products, at twice 64 %.
@@ -69,6 +71,7 @@ class Hierarchy:
     block : rows per node
     ground : node whose block may be singular
     tentatives : tentative prolongations of a hierarchy on the same graph, to begin with; only without a ground
+    is_rough : the first prolongation is not smoothed, which takes half the time; the metric of the finest level is poor
     """
 
     def __init__(
@@ -78,14 +81,15 @@ class Hierarchy:
         block: int,
         ground: int | None = None,
         tentatives: Sequence[csr_matrix] = (),
+        is_rough: bool = False,
     ) -> None:
         random = np.random.default_rng(0)
         matrix = matrix.astype(np.complex64 if np.iscomplexobj(matrix.data) else np.float32)
         row_mass = row_mass.astype(np.float32)
         self.levels: list[Level] = []
         while True:
-            inverse_diagonal = 1 / matrix.diagonal().real
-            largest = largest_eigenvalue(matrix, inverse_diagonal, random)
+            inverse_diagonal, is_smoothed = 1 / matrix.diagonal().real, bool(self.levels) or not is_rough
+            largest = largest_eigenvalue(matrix, inverse_diagonal, random) if is_smoothed else LARGEST
             prolongation = tentative = coarse_ground = None
             if len(self.levels) < len(tentatives):
                 tentative = tentatives[len(self.levels)]
@@ -93,7 +97,9 @@ class Hierarchy:
                 tentative, coarse_ground = aggregates(matrix, block, ground, random)
                 if tentative.shape[1] > STAGNATION * matrix.shape[0]:
                     tentative = None
-            if tentative is not None:
+            if tentative is not None and not is_smoothed:
+                prolongation = tentative
+            elif tentative is not None:
                 smoother = diags_array(smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
                 prolongation = (tentative - smoother @ (matrix @ tentative)).tocsr()
             self.levels.append(Level(matrix, row_mass, ground, largest, prolongation, tentative))

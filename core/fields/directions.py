@@ -241,7 +241,7 @@ def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, know
     Around a pinned triangle the connection turns as much as the disclination, which then costs nothing there; on a
     closed piece, the difference is spread over the whole piece.
 
-    Raises :class:`SettingError` for an unknown triangle, an impossible index, or mirrors.
+    Raises :class:`SettingError` for an unknown triangle, an impossible index, or pins on one side of a mirror.
     """
     correction = np.zeros(len(mesh.edges))
     if wishes.singularities < 1:
@@ -256,8 +256,8 @@ def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, know
         correction += remove_holonomy(circulation, part, mesh.weights, rest).correction
     if not wishes.pins:
         return correction
-    if wishes.mirrors:
-        raise SettingError("pins hold one side of a mirror alone: remove the pins, or the mirror")
+    if not all(mirror.has_image_of_each(mesh, wishes.pins) for mirror in wishes.mirrors):
+        raise SettingError("pins hold one side of a mirror alone: pin both sides, or remove the mirror")
     curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
     asked = np.zeros(mesh.triangle_count)
     for triangle, index in wishes.pins:

@@ -9,6 +9,9 @@ sums of w_e sin(psi_e) at its vertices vanish, the phases f that are added at th
     minimize sum of w_e (sin(psi_e) + eta_e + (D f)_e)^2,
 
 a linear problem, as the turns stay. Farther away f is 0, and so it is where constraints fix or join phases.
+
+Where a pattern is mirrored, each phase is joined to its images. Of those the one nearest to the path is free, and the
+others are made its images at the end; phases on the plane of a mirror stay.
 """
 
 from collections.abc import Sequence
@@ -20,14 +23,18 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from ..algebra.factorization import factorize
+from ..connection import as_matrices
 from ..errors import SettingError
 from ..matchings import after_turns
+from ..problem import SynchronizationProblem
 from .patterns import Pattern
 
 # Phases change up to so many spacings from the path, and a new stripe is so many long.
 REACH, LENGTH = 4.0, 2.0
 # The least weight of an edge; what keeps the matrix definite, as a share of its diagonal.
 SMALLEST_WEIGHT, SHIFT = 1e-3, 1e-9
+# In a mirrored pattern more than this share of the phases are joined to others; most images of one, in three planes.
+MIRRORED_SHARE, MOST_IMAGES = 1 / 3, 8
 
 
 def move_line_ends(pattern: Pattern, start: int, end: int) -> Pattern:
@@ -77,7 +84,7 @@ def _carry(pattern: Pattern, start: int, tries: Sequence[tuple[int, np.ndarray]]
     paths = _paths(pattern, start, [end for end, _ in tries])
     edges, free, difference = _near(pattern, np.unique(np.concatenate(paths)))
     if not np.isin(pattern.one_form.phase_count * mesh.triangles[place], free).all():
-        raise SettingError("the phases here are mirrored or fixed by a constraint: choose another face")
+        raise SettingError("the phases here are fixed by a constraint or on a mirror plane: choose another face")
     weights = np.repeat(np.maximum(mesh.weights[edges], SMALLEST_WEIGHT), pattern.one_form.phase_count)
     matrix = difference.T @ diags_array(weights) @ difference
     factors = factorize((matrix + SHIFT * diags_array(matrix.diagonal())).tocsr(), single=False)
@@ -90,7 +97,7 @@ def _carry(pattern: Pattern, start: int, tries: Sequence[tuple[int, np.ndarray]]
             changes[edge] -= third @ sums.T
         phases = pattern.phases.copy()
         phases[free] *= np.exp(-1j * factors.solve(difference.T @ (weights * changes[edges].ravel())))
-        found.append(pattern.with_phases(phases))
+        found.append(pattern.with_phases(_with_images(pattern.problem, phases, free)))
     return min(found, key=lambda other: other.energy)
 
 
@@ -147,10 +154,11 @@ def _near(pattern: Pattern, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarr
     count = one_form.phase_count
     reach = REACH * 2 * np.pi / one_form.rates[mesh.triangles[triangles]].min()
     centres = mesh.vertices[mesh.triangles[triangles]].mean(axis=1)
-    is_near = cKDTree(centres).query(mesh.vertices, distance_upper_bound=reach)[0] < np.inf
+    distances = cKDTree(centres).query(mesh.vertices, distance_upper_bound=reach)[0]
+    is_near = distances < np.inf
     is_free = np.repeat(is_near, count)
-    for nodes in (problem.fixed.nodes, problem.merged.nodes, problem.merged.roots):
-        is_free[nodes] = False
+    is_free[problem.fixed.nodes] = False
+    is_free &= _are_nearest_images(problem, np.repeat(distances, count))
     edges = np.flatnonzero(is_near[mesh.edges].any(axis=1))
     is_free &= np.isin(np.arange(len(is_free)) // count, mesh.edges[edges])
     tails, heads = (count * ends[:, None] + np.arange(count) for ends in mesh.edges[edges].T)
@@ -159,3 +167,30 @@ def _near(pattern: Pattern, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarr
     values = np.concatenate([np.sign(heads).ravel(), -np.ones(tails.size)])
     difference = csr_matrix((values, (np.tile(rows, 2), columns)), (tails.size, len(is_free)))
     return edges, np.flatnonzero(is_free), difference[:, is_free]
+
+
+def _are_nearest_images(problem: SynchronizationProblem, distances: np.ndarray) -> np.ndarray:
+    """Of each phase and those joined to it the nearest one where a pattern is mirrored, otherwise the phases that are
+    not joined to others; (k n,) bool."""
+    merged, loops = problem.merged, np.equal(*problem.connection.edges.T)
+    roots = np.arange(len(distances))
+    roots[merged.nodes] = merged.roots
+    sizes = np.bincount(roots)[roots]
+    if len(merged.nodes) <= MIRRORED_SHARE * len(distances):
+        return sizes == 1
+    order = np.lexsort((distances, roots))
+    is_nearest = np.zeros(len(distances), bool)
+    is_nearest[order[np.unique(roots[order], return_index=True)[1]]] = True
+    is_nearest[problem.connection.edges[loops, 0]] = False  # on a mirror's plane
+    return is_nearest & (sizes <= MOST_IMAGES)
+
+
+def _with_images(problem: SynchronizationProblem, phases: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """The phases, with those that are joined to free ones."""
+    merged = problem.merged
+    places, turns = np.column_stack([phases.real, phases.imag]), as_matrices(merged.transports)
+    is_free = np.isin(merged.nodes, free)
+    places[merged.roots[is_free]] = np.einsum("kba,kb->ka", turns[is_free], places[merged.nodes[is_free]])
+    is_led = np.isin(merged.roots, np.append(free, merged.roots[is_free]))
+    places[merged.nodes[is_led]] = np.einsum("kab,kb->ka", turns[is_led], places[merged.roots[is_led]])
+    return places[:, 0] + 1j * places[:, 1]

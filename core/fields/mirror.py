@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..connection import Connection, as_matrices, circle_transports
-from ..errors import ContradictionError
+from ..errors import ContradictionError, SettingError
+from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import components
 from ..problem import SynchronizationProblem, Targets
@@ -39,6 +40,10 @@ class Reflection:
 
     def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
         raise NotImplementedError
+
+    def has_image_of_each(self, mesh: TriangleMesh, pins: Sequence[tuple[int, float]]) -> bool:
+        """Whether pins of triangles with an index are their own mirror image."""
+        return False
 
     def direction_links(self, symmetry: int) -> Links:
         """Links between the powers of a direction field."""
@@ -84,8 +89,38 @@ class Mirror(Reflection):
         # Diagonals of faces need not be mirrored, so that tangent planes may lean a little.
         return cls(partner, np.angle(turns + turns[partner]), f"the mirror in {'XYZ'[axis]}")
 
+    def has_image_of_each(self, mesh: TriangleMesh, pins: Sequence[tuple[int, float]]) -> bool:
+        """As of :class:`Reflection`; triangles of one face, which share two vertices, count as the same."""
+        own = [(set(mesh.triangles[triangle].tolist()), index) for triangle, index in pins]
+        images = [(set(self.partner[mesh.triangles[triangle]].tolist()), index) for triangle, index in pins]
+        return all(any(len(first & second) > 1 and a == b for second, b in own) for first, a in images)
+
+    def image_of_face(self, polygons: Polygons, face: int) -> int:
+        """The face at the mirror image of a face."""
+        corners = np.arange(polygons.sizes[face]) + polygons.starts[face]
+        images = self.partner[polygons.corner_vertices[corners]]
+        found = np.bincount(polygons.corner_faces[np.isin(polygons.corner_vertices, images)])
+        (faces,) = np.nonzero((found == len(images)) & (polygons.sizes[: len(found)] == len(images)))
+        return int(faces[0])
+
     def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
         return np.arange(len(self.partner)), self.partner
+
+
+def mirrored_moves(mirrors: Sequence[Reflection], polygons: Polygons, start: int, end: int) -> dict[int, int]:
+    """The move from one face to another and its mirror images, ends by starts.
+
+    Raises SettingError where the start is its own image and the end is not.
+    """
+    moves = {start: end}
+    for mirror in mirrors:
+        if isinstance(mirror, Mirror):
+            for pair in list(moves.items()):
+                first, second = (mirror.image_of_face(polygons, face) for face in pair)
+                if first in moves and moves[first] != second:
+                    raise SettingError(f"what lies on {mirror.name} stays there: choose a face on its plane")
+                moves[first] = second
+    return moves
 
 
 @dataclass(frozen=True)

@@ -138,7 +138,7 @@ def _pose_pattern(
     mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes
 ) -> tuple[TargetOneForm, SynchronizationProblem, Links]:
     """The one-form, the problem, and the links of phases to themselves, on mirrors and grid lines."""
-    check_spacing(mesh.vertices[np.unique(mesh.triangles)], wishes.spacing)
+    check_spacing(mesh.vertices[mesh.used_vertices], wishes.spacing)
     check_share(wishes.branching, "branching")
     one_form = _target_one_form(mesh, field, wishes)
     slack = LEAN if wishes.mirrors else TOLERANCE

@@ -83,13 +83,11 @@ def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
 
 
 def with_line_ends(pattern: Pattern, vertices: ArrayLike) -> Pattern:
-    """The pattern with a line end beside each of some vertices; farther away it stays as it is.
+    """The pattern with a line end beside each of some vertices and their mirror images; farther away it stays as it is.
 
-    Where phases are mirrored it is that of :func:`with_defects`. Errors as there.
+    Raises :class:`SettingError` where none fits.
     """
     vertices = check_vertices(vertices, pattern.mesh.vertex_count)
-    if 3 * len(pattern.problem.merged.nodes) > len(pattern.phases):
-        return with_defects(pattern, vertices)
     for vertex in vertices:
         if not _has_defects(pattern, vertex):
             pattern = _with_line_end(pattern, vertex)

@@ -79,10 +79,10 @@ def refuse_far_vertices(mesh: TriangleMesh) -> None:
 def _measure_steps(places: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Compute the vertices of edges between finite places, (k,), their largest coordinates, the steps of single
     precision there, and the median edge length, infinite without edges."""
-    known = edges[np.isfinite(places[edges]).all(axis=(1, 2))]
+    known = edges[np.isfinite(places).all(axis=1)[edges].all(axis=1)]
     lengths = np.linalg.norm(np.diff(places[known], axis=1)[:, 0], axis=1)
     lengths = lengths[lengths > 0]
-    used = np.unique(known)
+    used = np.flatnonzero(np.bincount(known.ravel(), minlength=len(places)))
     reach = np.abs(places[used]).max(axis=1)
     steps = np.spacing(np.minimum(reach, np.finfo(np.float32).max).astype(np.float32)).astype(float)
     return used, reach, steps, np.median(lengths) if len(lengths) else np.inf
@@ -103,8 +103,7 @@ def _refuse_vertices(mesh: TriangleMesh, is_bad: np.ndarray, what: str, remedy: 
 
 def flat_faces(mesh: TriangleMesh, faces: np.ndarray) -> np.ndarray:
     """Find faces without area, or with a triangle that repeats a vertex: bool for each of the (m,) triangles' faces."""
-    areas, reach = np.zeros((2, faces.max() + 1))
-    np.add.at(areas, faces, mesh.areas)
+    areas, reach = np.bincount(faces, mesh.areas), np.zeros(faces.max() + 1)
     with np.errstate(invalid="ignore"):  # ufunc.at also reports floating-point flags of earlier calls
         np.maximum.at(reach, faces, mesh.edge_lengths[mesh.triangle_edges].max(axis=1) ** 2)
     flat = areas <= FLAT_FACE * reach
@@ -113,9 +112,8 @@ def flat_faces(mesh: TriangleMesh, faces: np.ndarray) -> np.ndarray:
 
 
 def _refuse_faces(mesh: TriangleMesh, faces: np.ndarray) -> None:
-    sorted_corners = np.sort(mesh.triangles, axis=1)
     flat = flat_faces(mesh, faces)[faces]
-    first = np.unique(sorted_corners, axis=0, return_index=True)[1]
+    first = _first_rows(np.sort(mesh.triangles, axis=1), mesh.vertex_count)
     duplicate = np.ones(len(faces), bool)
     duplicate[first] = False
     for bad, what, remedy in (
@@ -127,6 +125,14 @@ def _refuse_faces(mesh: TriangleMesh, faces: np.ndarray) -> None:
             verb = "has" if len(names) == 1 else "have"
             where = _name_piece(mesh, mesh.triangles[bad][0, 0])
             raise MeshError(f"{name_elements('face', names)} {verb} {what}{where}: use {remedy}")
+
+
+def _first_rows(rows: np.ndarray, count: int) -> np.ndarray:
+    """Find where each row of three numbers below ``count`` comes first."""
+    if count >= 2**21:
+        return np.unique(rows, axis=0, return_index=True)[1]
+    first: np.ndarray = np.unique((rows[:, 0] * count + rows[:, 1]) * count + rows[:, 2], return_index=True)[1]
+    return first
 
 
 def _refuse_edges(mesh: TriangleMesh, faces: np.ndarray) -> None:

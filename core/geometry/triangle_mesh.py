@@ -78,6 +78,11 @@ class TriangleMesh:
     # Connectivity
 
     @cached_property
+    def used_vertices(self) -> np.ndarray:
+        """(k,) vertices of triangles, ascending; ``numpy.unique`` would take many times as long."""
+        return np.flatnonzero(np.bincount(self.triangles.ravel()))
+
+    @cached_property
     def _half_edges(self) -> _HalfEdges:
         tails = self.triangles.ravel()
         heads = self.triangles[:, [1, 2, 0]].ravel()

@@ -5,8 +5,8 @@ The process ends when the pipe from its parent is closed, even in the middle of 
 Blender. Its threads do not run beside Blender.
 
 Messages are tuples that begin with a word. In: ("solve", request), ("keep",): take the result shown last, ("end",):
-cancel the present request. Out: ("ready", versions), ("progress", stage, fraction), ("shown", picture), ("done",
-result, peak in MB), ("failed", SynchError), ("broken", traceback).
+cancel the present request. Out: ("ready", versions), ("expect", seconds), ("progress", stage, fraction), ("shown",
+picture), ("done", result, peak in MB), ("failed", SynchError), ("broken", traceback).
 """
 
 import os
@@ -127,18 +127,12 @@ def _answer(request: _Request, send: _Send, watch: _Watch, inbox: _Inbox) -> tup
     """Solve a request; the last message about it."""
     from ..errors import Cancelled, SynchError
 
-    shown, progress = _PictureSender(request, send), _ProgressSender(send)
-
-    def goes_on(stage: str, fraction: float) -> bool:
-        shown.look()
-        progress(stage, fraction)
-        word = inbox.word()
-        return not (word == "end" or (word == "keep" and shown.last is not None))
-
+    shown = _PictureSender(request, send)
+    progress = _ProgressSender(send, shown, inbox)
     try:
         try:
             showing = getattr(request, "solve_showing", None)
-            found = request.solve(goes_on) if showing is None else showing(shown, goes_on)
+            found = request.solve(progress) if showing is None else showing(shown, progress)
         except Cancelled as stop:
             if inbox.word() != "keep":
                 return "failed", stop
@@ -174,13 +168,21 @@ class _PictureSender:
 
 
 class _ProgressSender:
-    """Sends progress messages, at limited intervals within a stage."""
+    """Sends progress messages, at limited intervals within a stage; a false answer ends the solve."""
 
-    def __init__(self, send: _Send) -> None:
-        self._send, self._stage, self._time = send, "", 0.0
+    def __init__(self, send: _Send, shown: _PictureSender, inbox: _Inbox) -> None:
+        self._send, self._shown, self._inbox = send, shown, inbox
+        self._stage, self._time = "", 0.0
 
-    def __call__(self, stage: str, fraction: float) -> None:
+    def __call__(self, stage: str, fraction: float) -> bool:
+        self._shown.look()
         now = time.monotonic()
         if stage != self._stage or now > self._time + _WORD:
             self._stage, self._time = stage, now
             self._send(("progress", stage, fraction))
+        word = self._inbox.word()
+        return not (word == "end" or (word == "keep" and self._shown.last is not None))
+
+    def expect(self, seconds: float) -> None:
+        """Send how long the work usually takes."""
+        self._send(("expect", seconds))

@@ -67,7 +67,7 @@ def _spacing_carried(size: float, finest: float, per_period: int, across: float)
 
 def _size(mesh: TriangleMesh) -> float:
     """Compute the longest side of the box around a mesh's triangles."""
-    return np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
+    return np.ptp(mesh.vertices[mesh.used_vertices], axis=0).max()
 
 
 def wished_spacing(area: float, per_period: int) -> float:
@@ -195,7 +195,7 @@ def asked_spacings(
         check_lengths(spacings)
         factor = spacing_factor(mesh, spacings, settings.faces)
         return factor * spacing, factor * spacings
-    check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacings)
+    check_spacing(mesh.vertices[mesh.used_vertices], spacings)
     return spacing, spacings
 
 

@@ -7,7 +7,7 @@ from ..errors import SettingError
 from ..problem import SynchronizationProblem
 from ..settings.setting import records
 from ..settings.solver import SolverSettings
-from ..solution import COARSE, DESCENT, FIRST, METHODS, Options, Solution
+from ..solution import COARSE, DESCENT, FIRST, GLANCE, METHODS, Options, Solution
 
 _RECORDS = dict(records(SolverSettings))
 
@@ -26,7 +26,7 @@ def check_options(options: Options, problem: SynchronizationProblem, start: Solu
             raise SettingError(f"{name} is {value!r}: give a number")
     if options.method == DESCENT and start is None:
         raise SettingError("the method 'descent' goes on from a start: give one")
-    if options.method not in (*METHODS, DESCENT, FIRST, COARSE):
+    if options.method not in (*METHODS, DESCENT, FIRST, GLANCE, COARSE):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
     if not options.rounds_coarsely:
         _RECORDS["rounding"].check("rounding", options.rounding)
@@ -37,7 +37,7 @@ def check_options(options: Options, problem: SynchronizationProblem, start: Solu
 
 
 def _check_start(problem: SynchronizationProblem, start: Solution | np.ndarray, options: Options) -> None:
-    if options.method not in ("sdp", DESCENT, FIRST, COARSE):
+    if options.method not in ("sdp", DESCENT, FIRST, GLANCE, COARSE):
         raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)
     count = problem.connection.node_count

@@ -16,7 +16,7 @@ from ..monitor import Callback, Monitor, OutOfTime
 from ..piece import Piece
 from ..pieces import Pieces
 from ..problem import SynchronizationProblem
-from ..solution import COARSE, DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
+from ..solution import COARSE, DESCENT, FIRST, GLANCE, Certificate, Clock, Options, Solution, Status, relative_gap
 from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
@@ -238,12 +238,12 @@ def _solve_by_method(task: _Task) -> PartResult:
         return _solve_spectral(task)
     with task.clock("relax"):
         task.monitor.at("building", 0.0)
-        workspace = task.monitor.during(partial(Workspace, task.piece))
+        workspace = task.monitor.during(partial(Workspace, task.piece, is_rough=method == GLANCE))
     if method == "diffusion":
         return _solve_diffusion(task, workspace)
     if method == DESCENT:
         return _solve_descent(task, workspace)
-    if method in (FIRST, COARSE):
+    if method in (FIRST, GLANCE, COARSE):
         return _solve_first(task, workspace)
     with beside(partial(_prepare_search, task, workspace.stages[0])) as prepared:
         return _solve_sdp(task, workspace, prepared)
@@ -308,8 +308,8 @@ def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
             column = task.start.column
             if options.method == COARSE:
                 column = descend_from(workspace, column, monitor)
-        elif options.method == FIRST:
-            column = first_field(workspace, rank, options.seed, monitor)
+        elif options.method in (FIRST, GLANCE):
+            column = first_field(workspace, rank, options.seed, monitor, is_rough=options.method == GLANCE)
         else:
             column, timed_out = search_without_relaxation(workspace, rank, options.seed, options.samples, monitor)
     status = Status.TIME_LIMIT if timed_out else Status.UNCERTIFIED

@@ -31,7 +31,7 @@ from ..geometry import TriangleMesh
 from ..geometry.grid import Grid
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
-from ..monitor import Callback, Monitor, Result, portion, with_seconds_left
+from ..monitor import Callback, Monitor, Result, expect, portion
 from ..settings.flow import FlowSettings
 from ..solution import COARSE_DIFFUSED
 from ..solve import Options
@@ -62,6 +62,11 @@ _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_
 def solve_memory(nodes: int) -> int:
     """The peak memory of a solve in bytes, measured on 24^3 to 64^3 nodes."""
     return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
+
+
+def solve_seconds(nodes: int) -> float:
+    """About how long a solve takes on one core, measured on 24^3 to 64^3 nodes."""
+    return nodes * (_LARGE_NODE_SECONDS if nodes > _COARSE_ROUNDING else _NODE_SECONDS)
 
 
 def check_resolution(resolution: object) -> None:
@@ -269,8 +274,7 @@ class FlowRequest:
         sphere, which need that map."""
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
-        each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
-        progress = with_seconds_left(progress, each * grid.node_count)
+        expect(progress, solve_seconds(grid.node_count))
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         early = None
         if show is not None and settings.show != "tubes" and settings.point is None:

@@ -22,7 +22,7 @@ from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
-from ..monitor import Callback, Monitor, portion
+from ..monitor import Callback, Monitor, expect, portion
 from ..printing.flush import FAR, far_share
 from ..refinement.spacing import COARSE_SHARE
 from ..solution import Clock
@@ -31,6 +31,8 @@ from ..solve import Options
 # Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, and of
 # its volume where the guide has no direction.
 LOST_VOLUME, COVERED, CONTINUED = 0.1, 0.95, 0.1
+# Approximate seconds for each tetrahedron, on one core.
+TET_SECONDS = 4e-5
 # Where the parts of the work begin, as shares of it.
 _GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
 
@@ -101,6 +103,7 @@ class SolidRequest:
         monitor, clock = Monitor(progress), Clock()
         expected = self.estimate
         check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
+        expect(progress, TET_SECONDS * expected.tets)
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
             solid = monitor.during(self._fill)

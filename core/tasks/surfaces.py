@@ -36,7 +36,7 @@ from ..geometry import TriangleMesh
 from ..geometry.cut import edges_after_cut
 from ..geometry.mesh_input import MeshInput
 from ..geometry.mirror import mirror_planes, mirrored_vertices
-from ..monitor import Callback, Monitor, portion
+from ..monitor import Callback, Monitor, expect, portion
 from ..refinement.spacing import (
     COARSE_SHARE,
     asked_spacings,
@@ -47,7 +47,7 @@ from ..refinement.spacing import (
 )
 from ..settings.pins import parse_pins
 from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings
-from ..solution import FIRST, Clock
+from ..solution import GLANCE, Clock
 from ..solve import Options
 from ..solve.warm_start import Follower
 from .quad_meshes import draft_quad_mesh, solve_quad_mesh
@@ -153,6 +153,7 @@ class SurfaceRequest:
 
     def solve(self, progress: Callback | None = None) -> "SurfaceResult":
         """The result; Cancelled if the callback answers False, and ContradictionError with vertices of the object."""
+        expect(progress, self.source.seconds(self.command, self.settings))
         if self.command not in PATTERNS:
             return SurfaceResult(self.directed(progress))
         if self.command == "quad_mesh":
@@ -167,6 +168,7 @@ class SurfaceRequest:
         For stripes and quads by the default method, ``show`` is called with a first result after a small part of the
         time, then with each one that is better or has a bound; for a quad mesh, with one draft.
         """
+        expect(progress, self.source.seconds(self.command, self.settings))
         if self.command == "quad_mesh" and self.options.method == "sdp":
             draft = draft_quad_mesh(self, portion(progress, 0.0, _DRAFT))
             if draft is not None:
@@ -174,7 +176,7 @@ class SurfaceRequest:
             return self.solve(portion(progress, _DRAFT, 1.0 - _DRAFT))
         if self.command not in SHOWN or self.options.method != "sdp":
             return self.solve(progress)
-        quick = replace(self, options=replace(self.options, method=FIRST))
+        quick = replace(self, options=replace(self.options, method=GLANCE))
         show(quick.solve(portion(progress, 0.0, 0.05)))
         directions = self.directed(portion(progress, 0.05, 0.35))
         return self.along(directions, portion(progress, 0.4, 0.55), show=show)

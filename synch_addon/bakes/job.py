@@ -29,6 +29,8 @@ from .scene_copy import make_scene_copy, read_uv, write_uv
 # Largest distance of the islands of a new map, in pixels, as a curved surface has hundreds of them. In images below
 # the size _SMALL it is the same share of the map as at that size, so that islands do not vanish.
 _APART, _SMALL = 4, 256
+# Approximate seconds of one core for each pixel of a pass, and for each of its samples.
+_PIXEL, _SAMPLE = 0.5e-6, 0.65e-6
 # The largest number of a 16-bit PNG.
 _MOST_NUMBER = 65535
 # How many UV maps a mesh can have.
@@ -51,7 +53,7 @@ class BakeJob:
     at_once = 0.0
 
     def __init__(self, obj, settings):
-        self.link = ObjectLink.to(obj)
+        self.link, self.seconds = ObjectLink.to(obj), bake_seconds(settings.maps, settings.size, settings.samples)
         self._pieces, self._report = _baking(self.link, settings), None
 
     def advance(self):
@@ -71,6 +73,14 @@ class BakeJob:
     def write(self, _):
         """Return the report: the bake has written everything itself."""
         return self._report
+
+
+def bake_seconds(maps, size, samples):
+    """About how long a bake with these settings takes."""
+    maps = set(maps)
+    passes = [samples] * (bool(maps & {"mask", "height"}) + len(maps & {"colour", "normal"}))
+    passes += [1] * len(maps & {"phase", "index"})
+    return size**2 * sum(_PIXEL + _SAMPLE * count for count in passes) / bpy.context.scene.render.threads
 
 
 def _baking(link, settings):

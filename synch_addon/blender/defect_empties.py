@@ -13,7 +13,8 @@ from mathutils import Matrix, Vector
 from .transaction import assign, at_the_end, drop, leave, store
 
 KINDS = ("disclination", "dislocation", "vortex")
-COLLECTION_NAME = "Synch Defects"
+# Not "Synch ...", as in earlier versions: the search (F3) finds collections too, before what "syn" is typed for.
+COLLECTION_NAME, _EARLIER_NAME = "Defects", "Synch Defects"
 
 _KIND, _INDEX, _FACE, _PHASE = "synch_kind", "synch_index", "synch_face", "synch_phase"
 # On our collections: "scene" for the one that holds all, "object" for the one of an object.
@@ -47,8 +48,8 @@ def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.
     An empty that exists moves to the next defect of its kind and index, since making and removing one costs Blender
     more. Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene units, sets the
     display size: the distance between stripes is a good one. Empties follow the faces of `mesh`, where one is given
-    whose vertices are the first ones that `obj` shows. New empties lie in "Synch Defects: <object>", a collection
-    inside "Synch Defects" of the object's scene, which keeps its visibility settings. Returns the empties, in the order
+    whose vertices are the first ones that `obj` shows. New empties lie in "Defects: <object>", a collection
+    inside "Defects" of the object's scene, which keeps its visibility settings. Returns the empties, in the order
     of `defects`.
     """
     collection = _collection_of(obj)
@@ -93,7 +94,7 @@ def orphaned_empties():
         if collection.get(_MARK) != "object" or not collection.is_editable:
             continue
         empties = [obj for obj in collection.objects if _marks_defect(obj)]
-        name = collection.name.removeprefix(f"{COLLECTION_NAME}: ")
+        name = collection.name.removeprefix("Synch ").removeprefix(f"{COLLECTION_NAME}: ")
         if not any(empty.parent for empty in empties) and name not in bpy.data.objects:
             found += empties
     return found
@@ -204,11 +205,13 @@ def _collection_of(obj):
 
 
 def _scene_collection(obj):
-    """The collection "Synch Defects" of the object's scene."""
+    """The collection "Defects" of the object's scene."""
     scenes = obj.users_scene
     scene = bpy.context.scene if bpy.context.scene in scenes or not scenes else scenes[0]
     for collection in scene.collection.children_recursive:
         if collection.get(_MARK) == "scene":
+            if collection.name == _EARLIER_NAME:
+                assign(collection, "name", COLLECTION_NAME)
             return collection
     collection = _new_collection(COLLECTION_NAME, "scene")
     scene.collection.children.link(collection)

@@ -12,6 +12,7 @@ import argparse
 import io
 import os
 import sys
+import time
 from contextlib import redirect_stderr, suppress
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from ...core.errors import SettingError, SynchError, WriteError, one_line
 from ...core.files.declared import check_clashes, check_inputs, make_folders
 from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
+from ...core.monitor import seconds_left
 from ...core.settings.surface import SurfaceSettings
 from ...core.validation import check_text
 from .. import api
@@ -236,6 +238,11 @@ class _Progress:
 
     def __init__(self, check, is_quiet):
         self._check, self._is_quiet, self._last = check, is_quiet, ""
+        self._start, self._expected = time.monotonic(), None
+
+    def expect(self, seconds):
+        """Tell in a terminal about how long it takes."""
+        self._start, self._expected = time.monotonic(), seconds
 
     def __call__(self, stage, fraction):
         self._check()
@@ -243,7 +250,10 @@ class _Progress:
             return True
         line = f"{stage} {fraction:.0%}"
         if sys.stderr.isatty():
-            print(f"\r{line:<40}", end="", file=sys.stderr, flush=True)
+            left = seconds_left(time.monotonic() - self._start, fraction, self._expected)
+            if left is not None and left >= 1:
+                line += f", about {left:.0f} s left"
+            print(f"\r{line:<60}", end="", file=sys.stderr, flush=True)
         elif line != self._last:
             print(line, file=sys.stderr)
         self._last = line

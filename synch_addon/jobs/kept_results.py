@@ -25,6 +25,7 @@ _VALUES = {
     "seconds": (0.0, NUMBER),
     "settings": (None, dict),
     "evenness": (None, {"spacing": [NUMBER] * 5, "off_share": NUMBER}),
+    "quad_mesh": (None, {"quad_share": NUMBER, "irregular_vertices": int}),
 }
 
 
@@ -37,6 +38,8 @@ def result_line(report):
     names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes", "carrier")
     counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
     rest = {"seconds": report["times"]["total"], "settings": report["settings"], "evenness": report.get("evenness")}
+    if "quad_mesh" in report:
+        rest["quad_mesh"] = {name: report["quad_mesh"][name] for name in ("quad_share", "irregular_vertices")}
     return json_text({"format": FORMAT} | {name: report[name] for name in names} | counts | rest)
 
 

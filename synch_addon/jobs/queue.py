@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The row of jobs that the window waits for: the first one runs, the others wait for their turn."""
 
+import math
 import time
 
 import bpy
 
 from ...core.errors import Cancelled, SynchError
+from ...core.monitor import seconds_left
 from ..blender.objects import ObjectLink
 from ..blender.timers import Timer
 from ..blender.translations import translate
@@ -13,8 +15,10 @@ from ..settings.preferences import memory_limit
 from .job import READING, solves_after_pieces
 from .worker import Worker, WorkerGone
 
-# Share of the work after which its time can be told.
-_TELLING = 0.15
+# Most that the time of one job counts, as a factor of what was expected.
+_FAR = 10.0
+# Letters of a stage that fit into the progress bar beside a time, and seconds from which on times are in minutes.
+_SHORT, _MINUTES = 12, 100
 # Seconds after its last job at which the child ends, and between two looks.
 _IDLE, _LOOK = 300.0, 30.0
 
@@ -34,16 +38,21 @@ class Work:
     peak : largest memory of the solve in MB, None if unknown
     error : the exception that stopped it, or None
     waited : seconds before it began
+    expected : seconds that it usually takes in all, None if unknown
     is_quiet : whether the window does not mention it
     is_over : whether it has ended, with a result or an error
     let_go : callable that gives back the window's timer and status line; it may be called more than once
     """
+
+    # By labels, how many times as long as expected such work has taken on this machine.
+    _paces: dict[str, float] = {}
 
     def __init__(self, job, label, is_quiet=False):
         self.job, self.label, self.is_quiet = job, label, is_quiet
         self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
         self.is_over = self.has_begun = self.is_seen = self.is_kept = False
         self.let_go = lambda: None
+        self.expected, self._told = None, None
         self.holds_window = hasattr(job, "advance")
         self._start, self.waited = time.monotonic(), 0.0
 
@@ -51,6 +60,8 @@ class Work:
         """Note that its turn has come."""
         now = time.monotonic()
         self.has_begun, self.waited, self._start = True, now - self._start, now
+        if hasattr(self.job, "seconds"):
+            self._expect(self.job.seconds)
 
     def advance(self):
         """Do pieces of it, which need Blender, for a moment; what goes wrong is its error."""
@@ -66,6 +77,8 @@ class Work:
             return
         self.holds_window = False
         self.is_over = not self.solves
+        if self.is_over:
+            self._learn()
 
     @property
     def obj(self):
@@ -93,11 +106,14 @@ class Work:
             stage, fraction = rest
             start = READING if hasattr(self.job, "advance") else 0.0
             self.stage, self.fraction = stage, start + (1 - start) * fraction
+        elif word == "expect":
+            self._expect(*rest)
         elif word == "shown":
             (self.picture,) = rest
         elif word == "done":
             self.result, self.peak = rest
             self.is_over = True
+            self._learn()
         elif word == "failed":
             self.fail(rest[0])
         else:
@@ -107,20 +123,59 @@ class Work:
         """End it with an error."""
         self.error, self.is_over, self.picture, self.holds_window = error, True, None, False
 
+    def _expect(self, seconds):
+        """Note how long it usually takes from now on."""
+        self._told = self.age, seconds
+        self.expected = self.age + self.seconds_here(self.label, seconds)
+
+    @classmethod
+    def seconds_here(cls, label, seconds):
+        """How long work of a name takes on this machine that takes so many seconds of one core elsewhere."""
+        return seconds * cls._paces.get(label, 1.0)
+
+    def _learn(self):
+        """Note at its end how long such work takes on this machine."""
+        if self._told is not None and not self.is_kept:
+            begun, seconds = self._told
+            measured = min(max((self.age - begun) / seconds, 1 / _FAR), _FAR)
+            self._paces[self.label] = math.sqrt(self._paces.get(self.label, 1.0) * measured)
+
     @property
     def line(self):
-        """How far it is, for the progress bar."""
-        name, comma, rest = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+        """How far it is, for the status bar."""
+        name, comma, rest = self._doing
         return f"{self.fraction:.0%}  {translate(name)}{comma}{rest}"
 
     @property
+    def short_line(self):
+        """How far it is, for the progress bar: the seconds left, or what it does and for how long."""
+        left, stage = self._left, translate(self._doing[0])
+        told = f"{stage}, {as_time(self.age)}"
+        if left is not None:
+            told = translate("about {left} left", left=as_time(left))
+            told = f"{stage}, {told}" if len(stage) <= _SHORT else told
+        return f"{self.fraction:.0%}  {told}" if self.has_begun else self.line
+
+    @property
+    def _doing(self):
+        return (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+
+    @property
+    def _left(self):
+        """Seconds left, where that can be told, and at least one."""
+        left = seconds_left(self.age, self.fraction, self.expected)
+        return left if left is not None and left >= 1 else None
+
+    @property
     def times(self):
-        """Seconds that have passed, and about how many are left, once that can be told."""
-        passed = time.monotonic() - self._start
-        if self.fraction <= _TELLING:
-            return translate("{passed:.0f} s", passed=passed)
-        left = passed * (1 / self.fraction - 1)
-        return translate("{passed:.0f} s, about {left:.0f} s left", passed=passed, left=left)
+        """Seconds that have passed, and about how many are left, where that can be told."""
+        passed, left = as_time(self.age), self._left
+        return passed if left is None else f"{passed}, {translate('about {left} left', left=as_time(left))}"
+
+
+def as_time(seconds):
+    """A number of seconds as a person says it."""
+    return f"{seconds:.0f} s" if seconds < _MINUTES else f"{seconds / 60:.0f} min"
 
 
 class Queue:

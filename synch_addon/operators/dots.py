@@ -6,7 +6,8 @@ import time
 import bpy
 from bpy.props import FloatProperty, IntProperty, StringProperty
 
-from ...core.errors import SynchError
+from ...core.errors import SettingError, SynchError
+from ...core.fields.mirror import mirrored_moves
 from ...core.settings.pins import parse_pins, text_of_pins
 from ...core.settings.surface import SYMMETRY_ORDERS
 from .. import api
@@ -125,17 +126,23 @@ solved again"""
         )
 
     def _pin(self, context, obj):
-        """Pin all swirl points where they are, but this one where it was let go, and solve again."""
+        """Pin all swirl points where they are, but this one and its mirror images where it was let go, and solve
+        again."""
         request, dots, before = memory.solve_of(obj).request, defect_dots(obj), obj.synch.pins
         order = SYMMETRY_ORDERS[request.settings.symmetry]
         swirls = dots.kinds == "disclination"
         pins = dict(zip(dots.faces[swirls].tolist(), (order * dots.indices[swirls]).round().astype(int), strict=True))
-        if self._target in pins:
+        try:
+            moves = mirrored_moves(request.mirrors, request.given.polygons, self.face, self._target)
+        except SettingError as error:
+            self.report({"WARNING"}, str(error))
+            return None
+        moved = {end: pins.pop(start) for start, end in moves.items() if start in pins}
+        if pins.keys() & moved.keys():
             self.report({"WARNING"}, translate("There is another swirl point: choose another face"))
             return None
-        turns = pins.pop(self.face)
-        unturned = {face: 0 for face, own in parse_pins(before).items() if own == 0 and face != self._target}
-        obj.synch.pins = text_of_pins(unturned | pins | {self._target: turns})
+        unturned = {face: 0 for face, own in parse_pins(before).items() if own == 0}
+        obj.synch.pins = text_of_pins(unturned | pins | moved)
         try:
             if not context.window_manager.synch_live:
                 with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
@@ -144,7 +151,7 @@ solved again"""
             obj.synch.pins = before
             self.report({"ERROR"}, operator_error(error))
             return None
-        return translate("{name}: {count} swirl points are pinned", name=obj.name, count=len(pins) + 1)
+        return translate("{name}: {count} swirl points are pinned", name=obj.name, count=len(pins) + len(moved))
 
 
 CLASSES = (SYNCH_OT_drag_defect,)

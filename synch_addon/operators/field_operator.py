@@ -114,9 +114,9 @@ class BackgroundOperator:
         try:
             return step(context)
         except Cancelled as stop:
-            self.report({"INFO"}, str(stop))
+            self.report({"INFO"}, self._name_object(context, str(stop)))
         except SynchError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, self._name_object(context, str(error)))
             target = self._target(context)
             if len(error.vertices) and target is not None:
                 api.select(target, error.vertices)
@@ -128,6 +128,16 @@ class BackgroundOperator:
             return context.active_object
         return self._work.obj
 
+    def _name_object(self, context, line):
+        """A message with the name of the object that it is about."""
+        if self._work is not None and self._work.job.link is not None:
+            name = self._work.job.link.name
+        elif isinstance(self, ReadyOperator) and self._target(context) is not None:
+            name = self._target(context).name
+        else:
+            return line
+        return line if name in line else f"{name}: {line}"
+
     def _run(self, context):
         manager = context.window_manager
         manager.progress_begin(0, 1)
@@ -135,7 +145,7 @@ class BackgroundOperator:
             report = run(self._job(context), progress_of(manager))
         finally:
             manager.progress_end()
-        return self._announce(report)
+        return self._announce(context, report)
 
     def _start(self, context):
         self._work = queue.add(self._job(context), self.bl_label)
@@ -156,12 +166,12 @@ class BackgroundOperator:
             report["peak_memory_mb"] = work.peak
         if "times" in report:
             report["times"] = report["times"] | {"total": report["times"]["total"] - work.waited}
-        return self._announce(report)
+        return self._announce(context, report)
 
-    def _announce(self, report):
+    def _announce(self, context, report):
         for warning in report.get("warnings", ()):
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, self._headline(report))
+            self.report({"WARNING"}, self._name_object(context, warning))
+        self.report({"INFO"}, self._name_object(context, self._headline(report)))
         return {"FINISHED"}
 
     def _look_after(self, work):
@@ -287,7 +297,8 @@ class FieldOperator(ObjectOperator):
             if operator.poll("INVOKE_DEFAULT"):
                 operator("INVOKE_DEFAULT")
         except RuntimeError as error:  # its error, as Blender hands it on
-            self.report({"WARNING"}, f"{obj.name}: {operator_error(error)}")
+            line = operator_error(error)
+            self.report({"WARNING"}, line if obj.name in line else f"{obj.name}: {line}")
 
     def draw(self, context):
         draw_redo(self.layout, self)
@@ -309,9 +320,9 @@ class FieldOperator(ObjectOperator):
         job.request = from_shown(context.active_object, job.request)
         return job
 
-    def _announce(self, report):
+    def _announce(self, context, report):
         self.spacing = report["settings"]["spacing"]
-        return super()._announce(report)
+        return super()._announce(context, report)
 
     def _headline(self, report):
         made = report.get("quad_mesh")

@@ -43,10 +43,10 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
         apart = {"guidance": self.guidance, "groups": self.groups, **lengths}
         return api.layer_job(self._target(context), settings_of(LayerSettings, self, LAYER_NAMES, **apart))
 
-    def _announce(self, report):
+    def _announce(self, context, report):
         for name in LENGTHS:
             setattr(self, name, report["settings"][name])
-        return super()._announce(report)
+        return super()._announce(context, report)
 
     def _headline(self, report):
         return headline(report)

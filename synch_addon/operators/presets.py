@@ -73,8 +73,8 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
                 setattr(self, name, value.upper() if name == "symmetry" else value)
         self.solved_for = self.preset
 
-    def _announce(self, report):
-        super()._announce(report)
+    def _announce(self, context, report):
+        super()._announce(context, report)
         obj = bpy.data.objects[report["object"]]
         presets.store_settings(obj.synch, report["settings"])
         return self._announce_look(obj)
@@ -104,7 +104,8 @@ class SYNCH_OT_number_stripes(ReadyOperator, PromptOperator, bpy.types.Operator)
         return None
 
     def make(self, context):
-        return count_text(api.number_stripes(context.active_object), "stripe")
+        obj = context.active_object
+        return f"{obj.name}: {count_text(api.number_stripes(obj), 'stripe')}"
 
 
 class SYNCH_OT_asset_library(PromptOperator, bpy.types.Operator):

@@ -14,7 +14,7 @@ class SYNCH_OT_quads(FieldOperator, SettingProperties, bpy.types.Operator):
     """Cover the mesh with a pattern of two crossing families of lines along a cross field"""
 
     bl_idname = "synch.quads"
-    bl_label = "Quads"
+    bl_label = "Quad Pattern"
     command = "quads"
 
 
@@ -48,6 +48,7 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
     def _take(self, context):
         super()._take(context)
         self.properties.property_unset("guidance")
+        self.angle = source_of(context.active_object).synch.angle
 
     def _target(self, context):
         return source_of(context.active_object) if self._work is None else super()._target(context)

@@ -50,7 +50,7 @@ class _VaryingOperator(_SolvedOperator):
 
 class SYNCH_OT_variation(_VaryingOperator, PromptOperator, bpy.types.Operator):
     """Show another near-optimal configuration of defects, from the last solve. On a thumbnail's button: how much more \
-energy it has than the best, and the number of line ends"""
+energy it has than the best"""
 
     bl_idname = "synch.variation"
     bl_label = "Variation"

@@ -5,10 +5,11 @@ import bpy
 
 from ...core.settings.bake import BakeSettings
 from ...core.settings.setting import records
+from ..bakes.job import bake_seconds
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..settings.rna import properties_of
-from .sidebar import SettingsPanel, draw_settings, property_column
+from .sidebar import SettingsPanel, draw_estimate, draw_settings, property_column
 
 BAKE_NAMES = tuple(name for name, _ in records(BakeSettings))
 BakeProperties = properties_of(BakeSettings, BAKE_NAMES)
@@ -31,7 +32,10 @@ class SYNCH_PT_bake(SettingsPanel, bpy.types.Panel):
         return super().poll(context) and pattern_kind(context.active_object) is not None
 
     def draw_body(self, context):
-        draw_bake(self.layout, context.scene.synch_bake, context.active_object)
+        settings = context.scene.synch_bake
+        draw_bake(self.layout, settings, context.active_object)
+        seconds = bake_seconds(map(str.lower, settings.maps), settings.size, settings.samples)
+        draw_estimate(self.layout, "Bake", seconds)
         self.layout.operator("synch.bake", icon="RENDER_STILL")
 
 

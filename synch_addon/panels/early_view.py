@@ -52,7 +52,7 @@ class _View:
             if isinstance(picture, FilamentPicture):
                 self._drawn = _DrawnFilaments(picture.places)
             else:
-                self._drawn = DrawnPattern(picture.places, picture.phases, of_quads=picture.of_quads, covers=True)
+                self._drawn = DrawnPattern(picture.places, picture.phases, of_quads=picture.of_quads)
             self._picture = picture
         self._drawn.draw(view, projection)
 

@@ -19,7 +19,7 @@ class AnimationProperties:
         description="What is solved in each frame",
         items=[
             ("STRIPES", "Stripes", "Evenly spaced stripes along a vector or line field"),
-            ("QUADS", "Quads", "Two crossing families of lines along a cross field"),
+            ("QUADS", "Quad Pattern", "Two crossing families of lines along a cross field"),
         ],
         default="STRIPES",
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
+from ...core.tasks.solids import TET_SECONDS
 from ..blender.attributes import read_all
 from ..blender.meshes import refusal
 from ..blender.modifiers import input_property
@@ -24,6 +25,7 @@ from .sidebar import (
     DetailsPanel,
     SidebarPanel,
     draw_automatic,
+    draw_estimate,
     draw_settings,
     draw_unready,
     property_column,
@@ -52,7 +54,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
         row = self.layout.row()
         row.scale_y = 1.3
         row.operator("synch.layers", icon="ALIGN_JUSTIFY")
-        _draw_estimate(self.layout, obj)
+        _draw_expected(self.layout, obj)
         draw_opening(self.layout, context.active_object)
         draw_layers(self.layout, obj.synch_layering)
 
@@ -102,8 +104,8 @@ def draw_layers(layout, stored):
     draw_settings(property_column(layout), stored, LayerSettings, "layers", own)
 
 
-def _draw_estimate(layout, obj):
-    """How large the solid will be, before it is made."""
+def _draw_expected(layout, obj):
+    """How large the solid will be and how long its layers take, before they are made."""
     if obj.mode == "EDIT" or len(obj.data.polygons) == 0:
         return
     stored, measures = obj.synch_layering, _measures(obj)
@@ -112,10 +114,8 @@ def _draw_estimate(layout, obj):
     expected = estimate(measures, None if stored.automatic_size else stored.size)
     if stored.automatic_size and not stored.automatic_spacing:
         expected = estimate(measures, min(expected.size, stored.spacing / EDGES_PER_LAYER))
-    about = translate(
-        "About {tets:,} tetrahedra, {megabytes:,.0f} MB", tets=expected.tets, megabytes=expected.megabytes
-    )
-    layout.label(text=about, icon="MESH_ICOSPHERE")
+    layout.label(text=translate("About {tets:,} tetrahedra", tets=expected.tets), icon="MESH_ICOSPHERE")
+    draw_estimate(layout, "Layers", TET_SECONDS * expected.tets, expected.megabytes)
 
 
 def _measures(obj):

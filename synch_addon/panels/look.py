@@ -8,7 +8,8 @@ from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..nodes import quads, stripe_profiles
 from ..nodes.materials import pattern_node
-from ..nodes.stripes import INK_BLUE
+from ..nodes.stripes import INK_BLUE, WARM_IVORY
+from .sidebar import property_column
 
 # Inputs of the node in the order in which they are drawn, with what is said of them.
 _COLORS, _SHAPE = ("Color", "Background"), ("Width", "Softness")
@@ -37,14 +38,16 @@ class SynchLook(bpy.types.PropertyGroup):
 
 
 def look_of(obj):
-    """The colour of an object's pattern and the share of the area that it fills, as far as its node holds them."""
+    """The colours of an object's pattern and between it, and the share of the area that it fills, as far as its node
+    holds them."""
     kind = pattern_kind(obj)
     node = None if kind is None else pattern_node(obj, kind)
     if node is None:
-        return INK_BLUE, 0.5
-    color, width = node.inputs["Color"], node.inputs["Width"]
+        return INK_BLUE, WARM_IVORY, 0.5
+    color, background, width = (node.inputs[name] for name in ("Color", "Background", "Width"))
     return (
         INK_BLUE if color.is_linked else tuple(color.default_value),
+        WARM_IVORY if background.is_linked else tuple(background.default_value),
         0.5 if width.is_linked else min(max(width.default_value, 0.0), 1.0),
     )
 
@@ -62,7 +65,7 @@ def draw_look(layout, obj):
         if name in free:
             row.prop(node.inputs[name], "default_value", text="")
     if "Profile" in free:
-        row.prop(obj.synch_look, kind, text="")
+        property_column(column).prop(obj.synch_look, kind)
     row = column.row(align=True)
     for name in _SHAPE:
         if name in free:

@@ -18,7 +18,7 @@ from ...core.settings.pins import parse_pins
 from ...core.settings.surface import SYMMETRY_ORDERS
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
-from ..blender.pattern_surface import surface_of
+from ..blender.pattern_surface import shows_vertices_first, surface_of
 from ..blender.schema import COLOR, DIRECTION, LAYER, PHASES, SINGULARITY, SPACING_ERROR
 from ..nodes.layers import layer_colors
 from ..patterns.loops import faces_of_loop, shown_edge
@@ -91,11 +91,12 @@ def defect_dots(obj):
 
     A quad with a disclination has no index: what dislocation its other triangle has is a part of how its values close.
     """
-    obj = surface_of(obj)
+    owner, obj = obj, surface_of(obj)
     kinds, indices, faces, places = [], [], [], []
     if len(obj.data.polygons):
         polygons = meshes.read_polygons(obj)
-        corners = attributes.read_values(obj, "position", "POINT")
+        corners = _shown_places(owner, len(obj.data.vertices))
+        corners = attributes.read_values(obj, "position", "POINT") if corners is None else corners
         sums = np.add.reduceat(corners[polygons.corner_vertices], polygons.starts)
         centres, first = corners[polygons.triangles].mean(axis=1), polygons.first_triangles
         second = np.minimum(first + 1, len(centres) - 1)
@@ -109,6 +110,18 @@ def defect_dots(obj):
                 kinds += [kind] * len(chosen)
                 indices, faces, places = [*indices, *index[chosen]], [*faces, *chosen], [*places, *at[chosen]]
     return Dots(np.array(kinds), np.array(indices, float), np.array(faces, int), np.reshape(places, (-1, 3)))
+
+
+def _shown_places(obj, count):
+    """(count, 3) places at which an object shows the vertices of the mesh that carries its pattern; None where they
+    are not known, or are those of that mesh."""
+    if obj.is_evaluated or obj.mode == "EDIT" or not (obj.data.shape_keys or len(obj.modifiers)):
+        return None
+    if not shows_vertices_first(obj):
+        return None
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    places = attributes.read_values(shown, "position", "POINT") if len(shown.data.vertices) >= count else None
+    return None if places is None else places[:count]
 
 
 def defect_points(obj):

@@ -17,6 +17,7 @@ from ..blender.pattern_surface import surface_of
 from ..blender.registration import register_all
 from ..blender.schema import LAYER
 from ..jobs.lru_cache import LruCache
+from ..jobs.queue import queue
 from ..patterns.loops import shown_edge
 from .overlay import (
     constraint_lines,
@@ -137,6 +138,9 @@ def shown_object(context):
         return None
     if obj is None or obj.type != "MESH" or obj.mode == "EDIT":  # in edit mode the attributes are not there
         return None
+    running = queue.running
+    if running is not None and running.picture is not None and running.obj == obj:  # that is drawn in its place
+        return None
     return obj if obj.visible_get(view_layer=context.view_layer, viewport=space) else None
 
 
@@ -147,8 +151,9 @@ def key(obj):
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
     settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
-    # Layers are drawn as modifiers leave them.
-    shape = changes.state(obj) if LAYER.name in obj.data.attributes else None
+    # Layers are drawn as modifiers leave them, and dots on the shape that they show.
+    is_shaped = LAYER.name in obj.data.attributes or obj.data.shape_keys or len(obj.modifiers)
+    shape = changes.state(obj) if is_shaped else None
     return changes.state(obj.data), changes.state(surface_of(obj).data), shape, proportions.tobytes(), *settings
 
 

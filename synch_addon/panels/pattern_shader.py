@@ -39,7 +39,7 @@ void main()
   line = mix(line, share, clamp(max(change.x, change.y) - 0.5, 0.0, 1.0));
 #ifdef COVERS
   vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
-  color = vec4(mix(PAPER, ink, line) * (0.35 + 0.65 * abs(normal.z)), 1.0);
+  color = vec4(mix(paper, ink, line) * (0.35 + 0.65 * abs(normal.z)), 1.0);
 #else
   color = vec4(ink, 0.9 * line);
 #endif
@@ -105,31 +105,33 @@ class DrawnPattern:
     places : (3 t, 3) float32 corners of the triangles
     phases : (3 t, 2) float32 radians there
     of_quads : whether there are two phases
-    covers : whether what is below is hidden, rather than inked
     """
 
-    def __init__(self, places, phases, *, of_quads, covers):
+    def __init__(self, places, phases, *, of_quads):
         self._of_quads = of_quads
-        self._shader = shaders.of(of_quads, covers)
-        self._batch = batch_for_shader(self._shader, "TRIS", {"pos": places, "phase": phases})
+        self._batch = batch_for_shader(shaders.of(of_quads, True), "TRIS", {"pos": places, "phase": phases})
 
-    def draw(self, view, projection, ink=INK_BLUE, share=0.5):
+    def draw(self, view, projection, ink=INK_BLUE, paper=WARM_IVORY, share=0.5):
         """Draw into the active framebuffer, hidden by what is nearer.
 
         Parameters
         ----------
         view, projection : matrices from the object's space to that of the view, and from there to the screen
         ink : (4,) colour of stripes or lines
+        paper : (4,) colour between them, None to leave what is below there
         share : of the area that these fill
         """
+        shader = shaders.of(self._of_quads, paper is not None)
         gpu.state.blend_set("ALPHA")
         gpu.state.depth_test_set("LESS_EQUAL")
-        self._shader.uniform_float("view", view)
-        self._shader.uniform_float("projection", projection)
-        self._shader.uniform_float("ink", ink[:3])
-        self._shader.uniform_float("share", share)
-        self._shader.uniform_float("edge", edge(share, self._of_quads))
-        self._batch.draw(self._shader)
+        shader.uniform_float("view", view)
+        shader.uniform_float("projection", projection)
+        shader.uniform_float("ink", ink[:3])
+        if paper is not None:
+            shader.uniform_float("paper", paper[:3])
+        shader.uniform_float("share", share)
+        shader.uniform_float("edge", edge(share, self._of_quads))
+        self._batch.draw(shader)
         gpu.state.depth_test_set("NONE")
         gpu.state.blend_set("NONE")
 
@@ -149,13 +151,14 @@ def _shader(of_quads, covers):
     between.smooth("VEC3", "at")
     between.smooth("VEC2", "phases")
     info = gpu.types.GPUShaderCreateInfo()
-    info.define("PAPER", "vec3({}, {}, {})".format(*WARM_IVORY))
     for name, chosen in (("QUADS", of_quads), ("COVERS", covers)):
         if chosen:
             info.define(name)
     info.push_constant("MAT4", "view")
     info.push_constant("MAT4", "projection")
     info.push_constant("VEC3", "ink")
+    if covers:
+        info.push_constant("VEC3", "paper")
     info.push_constant("FLOAT", "share")
     info.push_constant("FLOAT", "edge")
     info.vertex_in(0, "VEC3", "pos")

@@ -6,8 +6,10 @@ import bpy.utils.previews
 from bpy.props import EnumProperty
 
 from ..blender.phases import pattern_kind
+from ..blender.translations import translate
 from ..looks import assets
 from ..looks.presets import PRESETS
+from ..settings.preferences import is_simple
 from .look import draw_look
 from .sidebar import SettingsPanel
 
@@ -23,11 +25,19 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
     bl_order = 0
     in_simple = True
 
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        return super().poll(context) and not (obj.synch_simple.kind == "quad_mesh" and pattern_kind(obj) is None)
+
     def draw_body(self, context):
         layout = self.layout
         layout.template_icon_view(context.scene, "synch_preset", show_labels=True, scale=5.0, scale_popup=5.0)
-        layout.operator("synch.preset", text=PRESETS[context.scene.synch_preset].label, icon="MATERIAL")
+        look = translate(PRESETS[context.scene.synch_preset].label)
+        layout.operator("synch.preset", text=translate("Apply {look}", look=look), icon="MATERIAL", translate=False)
         draw_look(layout, context.active_object)
+        if is_simple():
+            return
         if pattern_kind(context.active_object) == "stripes":
             layout.operator("synch.number_stripes", icon="LINENUMBERS_ON")
         if not assets.is_registered(context.preferences):

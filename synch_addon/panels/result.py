@@ -8,8 +8,10 @@ from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
+from ..patterns.refine import as_length
 from ..settings.fields import source_of
 from ..settings.preferences import is_simple
+from .row_operators import can_set
 from .sidebar import SettingsPanel, property_column
 from .thumbnails import draw_variations
 
@@ -30,6 +32,8 @@ SOLVES = {name: f"synch.{name}" for name in ("directions", "stripes", "quads", "
 PLACING = "SYNCH_OT_place_defect"
 # Energy for each vertex that is as good as none: what rounding leaves.
 PERFECT = 1e-12
+# Share of the energy up to which a variation is as good as the best.
+_SAME = 5e-4
 
 
 class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
@@ -39,22 +43,29 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     bl_order = 3
     in_simple = True
 
-    @classmethod
-    def poll(cls, context):
-        return super().poll(context) and not (is_simple() and _found(context).get("command") == "quad_mesh")
+    def draw(self, context):
+        """What only shows can be changed while a job runs; the rest is grey."""
+        obj, result = context.active_object, _found(context)
+        if result.get("command") in {"stripes", "quads"}:
+            draw_shading(self.layout, context)
+        if result and result["command"] != "quad_mesh":
+            draw_shown_defects(self.layout, obj, context.scene.synch_overlay)
+        self.draw_body(context)
 
     def draw_body(self, context):
-        layout, obj, result = self.layout, context.active_object, _found(context)
+        layout, obj, result = self.layout.column(), context.active_object, _found(context)
+        layout.enabled = can_set(obj)
         if not result:
             layout.label(text="Not solved yet", icon="INFO")
             return
-        if result["command"] != "directions":
-            draw_shading(layout, context)
         if memory.is_outdated(obj):
             row = layout.row()
             row.alert = True
             again = "synch.quad_mesh_again" if source_of(obj) else SOLVES[result["command"]]
             row.operator(again, text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
+        if result["command"] == "quad_mesh":
+            draw_quad_figures(layout, obj, result)
+            return
         held, simple = memory.holds(obj), is_simple()
         if held:
             draw_variations(layout, obj, result)
@@ -66,7 +77,6 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             draw_cost(layout, obj, result)
         if not simple and result["command"] != "directions":
             draw_favourites(layout, obj.synch.favourites)
-        draw_shown_defects(layout, obj, context.scene.synch_overlay)
         if not simple:
             if held:
                 placing = any(operator.bl_idname == PLACING for operator in context.window.modal_operators)
@@ -112,7 +122,20 @@ def draw_cost(layout, obj, result):
     best = memory.solve_of(obj).shown.solution
     if best is not None and best.energy > 0:
         more = result["energy"] / best.energy - 1
-        layout.label(text=translate("{more:+.1%} energy, against the best", more=more), icon="BLANK1", translate=False)
+        text = translate("{more:+.1%} energy, against the best", more=more)
+        if abs(more) < _SAME:
+            text = translate("The best of this solve")
+        layout.label(text=text, icon="BLANK1", translate=False)
+
+
+def draw_quad_figures(layout, obj, result):
+    """Faces and irregular vertices of a quad mesh."""
+    made = result.get("quad_mesh")
+    if made is not None:
+        faces = translate("{faces:,} faces, {quads:.0%} quads", faces=len(obj.data.polygons), quads=made["quad_share"])
+        layout.label(text=faces, icon="MESH_GRID", translate=False)
+        irregular = translate("{count:,} irregular vertices", count=made["irregular_vertices"])
+        layout.label(text=irregular, icon="DOT", translate=False)
 
 
 def draw_findings(layout, findings):
@@ -182,8 +205,7 @@ def draw_figures(layout, result, held, faces):
     if result.get("evenness"):
         low, _, _, _, high = result["evenness"]["spacing"]
         off = result["evenness"]["off_share"]
-        units, spacing = bpy.context.scene.unit_settings.system, result["settings"]["spacing"]
-        length = bpy.utils.units.to_string(units, "LENGTH", spacing, precision=3)
+        length = as_length(result["settings"]["spacing"])
         line(translate("{length} apart on {count:,} faces", length=length, count=faces), "DOT", "spacing")
         line(
             translate("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off),

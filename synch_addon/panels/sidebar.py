@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar tab "Synch" of the 3D View."""
 
+import math
+from dataclasses import asdict
+
 import bpy
 
+from ...core.errors import SynchError
 from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
@@ -11,19 +15,21 @@ from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
-from ..jobs.queue import queue
+from ..jobs.kept_results import read_result_or_empty
+from ..jobs.queue import Work, as_time, queue
 from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
-from ..patterns.refine import draw_told, draw_warning
+from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
-from ..settings.fields import MESH_NAMES, source_of
+from ..settings.fields import MESH_NAMES, source_of, stored_settings
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
 
+KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern"}
 # Jobs of the row that are shown, the others by their number.
 SHOWN_JOBS = 5
 
@@ -128,7 +134,7 @@ def draw_main(layout, obj):
     work = next((work for work in queue.works if not work.is_quiet and work.obj == obj), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
-    button.scale_y = 1.3
+    button.scale_y = 1.6
     if work is not None:
         draw_work(button, row, work)
     elif again:
@@ -136,7 +142,12 @@ def draw_main(layout, obj):
         row.label(text=translate("Made of {name}", name=source_of(obj).name), icon="OBJECT_DATA", translate=False)
     else:
         icon = layout.enum_item_icon(simple, "kind", simple.kind)
-        button.operator(f"synch.{simple.kind}", icon_value=icon)
+        if shows_other_settings(obj, simple.kind):
+            label = translate(KIND_LABELS[simple.kind])
+            text = translate("Update {what}", what=label)
+            button.operator(f"synch.{simple.kind}", text=text, icon="FILE_REFRESH", translate=False)
+        else:
+            button.operator(f"synch.{simple.kind}", icon_value=icon)
         property_column(row).prop(simple, "kind")
     layout = layout.column()
     layout.enabled = can_set(obj)
@@ -146,22 +157,43 @@ def draw_main(layout, obj):
     if simple.kind == "quad_mesh":
         column.prop(settings, "faces")
     if simple.kind == "quad_mesh" and not settings.faces:
-        column.label(text="0: as many as the lines give", icon="BLANK1")
+        count = expected_faces(source_of(obj) or obj)
+        if count is not None:
+            column.label(text=translate("0: about {count:,} faces", count=count), icon="BLANK1", translate=False)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
         column.prop(settings, "loops")
-    else:
-        column.prop(simple, "direction")
-        if simple.direction == "AXIS":
-            column.row().prop(settings.guide, "axis", expand=True)
-        if simple.direction == "STROKES":
-            draw_strokes(column)
-        axes = {*mirror_axes(obj), *(axis for axis in range(3) if settings.mirror[axis])}
-        if axes:
-            draw_mirror(column, settings, sorted(axes))
+    source = source_of(obj) if again else obj  # whose directions count
+    column.prop(source.synch_simple, "direction")
+    if source.synch_simple.direction == "AXIS":
+        column.row().prop(source.synch.guide, "axis", expand=True)
+    if simple.direction == "STROKES" and not again:
+        draw_strokes(column)
+    axes = {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
+    if axes:
+        draw_mirror(column, settings, sorted(axes))
     if simple.kind != "directions":
         draw_share(column, settings, "branching")
+
+
+def shows_other_settings(obj, kind):
+    """Whether an object shows a pattern of a kind that was solved with other settings than the panel has now."""
+    result = read_result_or_empty(obj.synch.result)
+    if kind not in {"stripes", "quads"} or result.get("command") != kind or not result.get("settings"):
+        return False
+    try:
+        now = asdict(stored_settings(obj).for_command(kind))
+    except SynchError:
+        return False
+    names = {"guidance", "symmetry", "angle", "mirror", "branching", "singularities", "aspect", "boundary"}
+    names |= set() if obj.synch.automatic_spacing else {"spacing"}
+    return any(not _are_same(now[name], result["settings"].get(name, now[name])) for name in names)
+
+
+def _are_same(first, second):
+    numbers = isinstance(first, float | int) and isinstance(second, float | int)
+    return math.isclose(first, second, rel_tol=1e-4, abs_tol=1e-6) if numbers else first == second
 
 
 def draw_spacing(column, simple, settings):
@@ -210,6 +242,10 @@ def draw_unready(layout, obj):
     reason = refusal(obj)
     if obj is not None and any(map(is_of_filaments, obj.modifiers)):
         layout.label(text=translate("{name}: vortex filaments", name=obj.name), icon="FORCE_VORTEX", translate=False)
+    elif obj is not None and obj.type in {"CURVE", "VOLUME"}:
+        layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
+        where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"
+        layout.label(text=where, icon="FORCE_VORTEX")
     elif reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
@@ -222,17 +258,25 @@ def draw_shape(layout, obj):
     key = measured_key(obj)
     if key is not None:
         row = layout.row(align=True)
-        row.label(text=translate("Measured: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
+        row.label(text=translate("Shape: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
 
 
 def draw_work(bar, row, work):
     """How far a job is, and the buttons that end it, which stand where those that begin one do."""
-    bar.progress(factor=work.fraction, text=f"{work.fraction:.0%}  {work.times}" if work.has_begun else work.line)
+    bar.progress(factor=work.fraction, text=work.short_line)
     if work.can_be_kept:
         row.operator("synch.keep", icon="CHECKMARK")
     text = "Cancel" if work.picture is None else "Discard"
     row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
+
+
+def draw_estimate(layout, label, seconds, megabytes=None):
+    """About how long work of a name takes, and how much memory."""
+    line = translate("About {time}", time=as_time(max(Work.seconds_here(label, seconds), 1)))
+    if megabytes is not None:
+        line = f"{line}, {megabytes:,.0f} MB"
+    layout.label(text=line, icon="TIME", translate=False)
 
 
 def draw_others(layout, obj):

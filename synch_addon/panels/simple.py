@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from ...core.refinement.spacing import lines_in_period
 from ..blender.registration import register_all
-from ..patterns.refine import expected_spacing
+from ..patterns.refine import expected_spacing, mesh_detail
 from ..settings.fields import source_of
 
 # Settings of each direction: guidance and angle.
@@ -29,7 +29,7 @@ _DIRECTION_ITEMS = (
 )
 _KIND_ITEMS = (
     ("stripes", "Stripes", "Even stripes over the surface", "MOD_WAVE", 0),
-    ("quads", "Quads", "A grid of squares over the surface", "MESH_GRID", 1),
+    ("quads", "Quad Pattern", "A grid of squares over the surface", "MESH_GRID", 1),
     ("quad_mesh", "Quad Mesh", "A new mesh of quads, and the object is hidden", "MOD_REMESH", 2),
     ("directions", "Directions", "A direction at each vertex, without lines", "ORIENTATION_NORMAL", 3),
 )
@@ -56,8 +56,13 @@ def _set_direction(simple, number):
 
 
 def _size(simple):
-    """Distance in the scene that a count of lines for which it is one would give, 0 for an object without extent."""
-    return max(simple.id_data.dimensions) * lines_in_period(simple.kind)
+    """Distance in the scene that a count of lines for which it is one would give, 0 for an object without extent.
+
+    It is that of the mesh, which stays where modifiers and shape keys change what is shown.
+    """
+    obj = source_of(simple.id_data) or simple.id_data
+    found = mesh_detail(obj) if obj.type == "MESH" and obj.mode == "OBJECT" else None
+    return (max(obj.dimensions) if found is None else found.size) * lines_in_period(simple.kind)
 
 
 def _get_lines(simple):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Patterns in views that draw no materials: in Solid view, inked over what Blender draws there.
+"""Patterns in views that draw no materials: in Solid view, drawn over the surface in the colours of the look.
 
 Nothing of the scene is changed for it, and it goes as soon as a view draws materials by itself.
 """
@@ -82,11 +82,16 @@ def drawn_pattern(obj, depsgraph):
 
     def make():
         found = corners_of(obj.evaluated_get(depsgraph))
-        return None if found is None else DrawnPattern(*found[:2], of_quads=found[2], covers=False)
+        return None if found is None else DrawnPattern(*found[:2], of_quads=found[2])
 
     return _drawn.renewed(
         obj.session_uid, (changes.state(obj.data), changes.state(surface_of(obj).data), changes.state(obj)), make
     )
+
+
+def _shows_faces(overlay, obj):
+    """Whether what Blender draws on an object's faces is to be seen between the stripes."""
+    return obj.show_wire or overlay.show_wireframes or overlay.show_face_orientation
 
 
 class _View:
@@ -115,10 +120,12 @@ class _View:
             pattern = drawn_pattern(obj, depsgraph)
             if pattern is not None:
                 view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
-                color, share = look_of(obj)
+                color, background, share = look_of(obj)
                 if obj.mode == "WEIGHT_PAINT":  # the map that is painted is seen between thin lines
                     share = min(share, _PAINTED)
-                pattern.draw(view, region.window_matrix, color, share)
+                if obj.mode == "WEIGHT_PAINT" or _shows_faces(context.space_data.overlay, obj):
+                    background = None
+                pattern.draw(view, region.window_matrix, color, background, share)
 
 
 view = _View()

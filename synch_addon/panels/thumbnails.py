@@ -178,7 +178,7 @@ def draw_variations(layout, obj, result):
         variation = gallery.made[number]
         number = variation.number
         cell.template_icon(icon_value=galleries.icon(obj, variation), scale=SCALE)
-        text = f"{_cost(variation)}·{variation.defects}"
+        text = _cost(variation)
         is_shown = obj.synch_shown.variation == number and math.isclose(result["energy"], variation.energy)
         cell.operator("synch.variation", text=text, translate=False, depress=is_shown).number = number
 

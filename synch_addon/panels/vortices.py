@@ -5,13 +5,13 @@ import math
 
 import bpy
 
-from ...core.tasks.flows import solve_memory
+from ...core.tasks.flows import solve_memory, solve_seconds
 from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_shape
 from ..flows.files import can_export
-from .sidebar import DetailsPanel, SidebarPanel, property_column
+from .sidebar import DetailsPanel, SidebarPanel, draw_estimate, property_column
 
 
 class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
@@ -25,7 +25,7 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         settings = context.scene.synch_vortices
         draw_vortices(self.layout, settings)
-        draw_estimate(self.layout, context, settings)
+        draw_expected(self.layout, context, settings)
         column = self.layout.column()
         column.scale_y = 1.3
         column.operator("synch.clebsch", icon="FORCE_VORTEX")
@@ -83,15 +83,15 @@ def draw_vortices(layout, settings):
         row.prop(settings, "frame_end", text="")
 
 
-def draw_estimate(layout, context, settings):
-    """How many nodes and how much memory a solve will take, where that can be told beforehand."""
+def draw_expected(layout, context, settings):
+    """How many nodes a solve will have, how long it takes and how much memory, where that can be told beforehand."""
     shape = expected_shape(context, settings.filepath, settings.resolution, settings.attribute)
     if shape is None:
         return
     nodes = math.prod(shape)
-    sizes = " × ".join(map(str, shape))
-    text = translate("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=solve_memory(nodes) / 2**30)
+    text = translate("{sizes} nodes", sizes=" × ".join(map(str, shape)))
     layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
+    draw_estimate(layout, "Vortices", solve_seconds(nodes), solve_memory(nodes) / 2**20)
 
 
 def draw_figures(layout, found):

@@ -96,6 +96,16 @@ def expected_spacing(command, obj):
     return wished_spacing(found.area, per_period) if is_refined and obj.synch.surface != "FACES" else told
 
 
+def expected_faces(obj):
+    """About how many faces a quad mesh gets from the lines that are set; None where that is not known."""
+    found = mesh_detail(obj) if obj.mode == "OBJECT" else None
+    if found is None:
+        return None
+    spacing = expected_spacing("quad_mesh", obj) if obj.synch.automatic_spacing else obj.synch.spacing
+    side = spacing / lines_in_period("quad_mesh")
+    return round(found.area / side**2) if side > 0 else None
+
+
 def missing_levels(obj):
     """Number of subdivisions that the mesh needs for the spacing that is set, to be rounded up; 0 or less for none.
 
@@ -197,7 +207,7 @@ def draw_warning(layout, obj):
         text = one if across == 1 else translate("Coarse mesh: about {count} lines across", count=across)
         column.label(text=text, icon="ERROR")
     else:
-        column.label(text=translate("Coarse mesh: carries {spacing}", spacing=_as_length(found.spacing)), icon="ERROR")
+        column.label(text=translate("Coarse mesh: carries {spacing}", spacing=as_length(found.spacing)), icon="ERROR")
     text = translate("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
 
@@ -206,11 +216,15 @@ def draw_told(column, command, obj):
     """Say what the automatic spacing of a command is."""
     told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
     if told is not None:
-        text = translate("About {length} apart", length=_as_length(told))
+        text = translate("About {length} apart", length=as_length(told))
         column.label(text=text, icon="BLANK1", translate=False)
 
 
-def _as_length(number):
+def as_length(number):
+    """A length in the scene's unit, as Blender's fields show it."""
+    units = bpy.context.scene.unit_settings
+    if units.system == "METRIC" and units.length_unit == "METERS":
+        return f"{number * units.scale_length:.3g} m"
     return bpy.utils.units.to_string(bpy.context.scene.unit_settings.system, "LENGTH", number, precision=3)
 
 

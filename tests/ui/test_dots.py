@@ -18,18 +18,26 @@ IDLE = "part('jobs.queue').queue.running is None"
 @pytest.fixture
 def solved(panel):
     """A ball with stripes, seen from above."""
+    return ball_with_stripes(panel)
+
+
+def ball_with_stripes(panel, settings=""):
+    """A ball with stripes of some settings, seen from above."""
     panel.run("from mathutils import Vector\nbpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=2)")
     panel.run("bpy.ops.object.shade_smooth(); view().view_rotation = (1, 0, 0, 0); view().view_distance = 7")
-    panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
+    panel.run(f"active().synch.automatic_spacing = False; active().synch.spacing = 0.4; {settings}")
     panel.click("Stripes")
     panel.wait_for("Variation")
     panel.until(IDLE)
     return panel
 
 
-def front_dot(window, kind):
-    """The dot of a kind that is nearest to the middle of what is seen: its place in the window, and its face."""
+def front_dot(window, kind, aside=0.0):
+    """The dot of a kind that is nearest to the middle of what is seen, farther up than so many pixels: its place in
+    the window, and its face."""
     found = np.array([dot for dot in window.run(DOTS.format(kind)) if dot[3] > 0.8])
+    middle = window.value("pixel((0, 0, 0))")[1]
+    found = found[found[:, 1] > middle + aside] if aside else found
     x, y, width, height = window.region("WINDOW")
     nearest = np.linalg.norm(found[:, :2] - (x + 0.4 * width, y + height / 2), axis=1).argmin()
     return found[nearest, :2], int(found[nearest, 2])
@@ -85,3 +93,32 @@ def test_a_swirl_point_is_pinned_where_it_is_let_go_and_the_others_where_they_ar
     pins = dict(pin.split("=") for pin in solved.value("active().synch.pins").split(","))
     assert sorted(map(int, pins)) == after and set(pins.values()) == {"1"}
     keep("dot_pinned", solved.picture())
+
+
+def test_a_line_end_moves_on_both_sides_of_a_mirror(panel, keep):
+    window = ball_with_stripes(panel, "active().synch.mirror = False, True, False")
+    place, face = front_dot(window, "dislocation", aside=60)
+    before = window.value(FACES.format("dislocation"))
+    rest(window, place)
+    window.drag([place, place + (10, 10), place + (30, 30)])
+    window.until(f"{face} not in {FACES.format('dislocation')}")
+    after = window.value(FACES.format("dislocation"))
+    assert len(set(before) - set(after)) == len(set(after) - set(before)) == 2
+    keep("dot_mirrored", window.picture())
+    window.press("Z", ctrl=True)
+    window.until(f"{FACES.format('dislocation')} == {before}")
+
+
+def test_dots_lie_on_the_shape_that_is_shown(solved):
+    """Half as wide by a shape key: so are the dots."""
+    places = "part('panels.overlay').defect_dots(active()).places"
+    wide = np.array(solved.value(f"{places}.tolist()"))
+    solved.run("""
+active().shape_key_add(name="Basis")
+key = active().shape_key_add(name="Narrow")
+for point in key.data:
+    point.co.x *= 0.5
+key.value = 1.0
+bpy.context.view_layer.update()
+""")
+    np.testing.assert_allclose(solved.value(f"{places}.tolist()"), wide * (0.5, 1, 1), atol=1e-4)

@@ -54,6 +54,7 @@ def test_strokes_are_drawn_erased_smoothed_and_undone(ball, keep):
     for place in way[1:]:
         ball.move(place)
     keep("stroke_on_its_way", ball.picture())
+    assert ball.reads(ball.picture(), ball.says("Release the button: done   Esc: as before"))
     assert ball.value(COUNT) == 0  # nothing is there before the button is let go
     ball.release()
     ball.until(f"{COUNT} == 1")

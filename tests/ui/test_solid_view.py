@@ -23,12 +23,12 @@ def test_a_pattern_is_seen_in_solid_view_at_once_and_goes_by_a_click(panel, keep
     panel.run("bpy.ops.object.shade_smooth()")
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.6")
     assert is_plain(panel.picture("WINDOW"))
-    for button, name in (("Stripes", "solid_stripes"), ("Quads", "solid_quads")):
-        panel.run(f"active().synch_simple.kind = {button.lower()!r}; area().tag_redraw()")
+    for kind, button in (("stripes", "Stripes"), ("quads", "Quad Pattern")):
+        panel.run(f"active().synch_simple.kind = {kind!r}; area().tag_redraw()")
         panel.click(button)
         panel.wait_for("Variation")
         panel.wait_to_see(is_inked, "WINDOW")
-        keep(name, panel.picture())
+        keep(f"solid_{kind}", panel.picture())
     panel.run("active().modifiers.new('smooth', 'SUBSURF').levels = 2")
     panel.wait_to_see(is_inked, "WINDOW")
     keep("solid_subdivided", panel.picture())
@@ -60,7 +60,7 @@ def test_the_ink_follows_a_shape_key_a_frame_and_the_object_that_goes(panel, kee
         "key.keyframe_insert('value', frame=20)\n"
         "bpy.context.scene.frame_set(1)"
     )
-    panel.wait_for(panel.says("Measured: {shape}", shape="Basis"))
+    panel.wait_for(panel.says("Shape: {shape}", shape="Basis"))
     panel.wait_to_see(is_inked, "WINDOW")
     straight = inked(panel.picture("WINDOW"))
     panel.run("bpy.context.scene.frame_set(20)")

@@ -29,6 +29,8 @@ COARSE_TOLERANCE = 3e-3
 LIFTED_STEPS = 5
 PROJECTIONS, DIFFUSED, POLISHED = 32, 12, 6
 COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
+# For a rough field: steps on the finest stage, and their damping.
+SMOOTHED, DAMPING = 10, 2 / 3
 # For a search on a coarse stage: steps of lifted descents before it, fields that are prolonged to the finest stage and
 # steps of the best one there.
 SEARCHED_STEPS, PROLONGED, LAST_STEPS = 20, 3, 20
@@ -77,8 +79,11 @@ def _smooth(piece: Piece, stage: Stage, point: np.ndarray) -> np.ndarray:
     return point
 
 
-def first_field(workspace: Workspace, rank: int, seed: int, monitor: Monitor) -> np.ndarray:
-    """(N * width, 1) field, from a lifted one of a given rank, some percent above the energy of the whole solve."""
+def first_field(workspace: Workspace, rank: int, seed: int, monitor: Monitor, is_rough: bool = False) -> np.ndarray:
+    """(N * width, 1) field, from a lifted one of a given rank, some percent above the energy of the whole solve.
+
+    A rough one, of a workspace with a rough hierarchy, is only smoothed on the finest stage.
+    """
     random = np.random.default_rng(seed)
     stage, lifted = coarse_field(workspace, rank, random, monitor, LIFTED_STEPS)
     density = stage.density(lifted)
@@ -89,7 +94,20 @@ def first_field(workspace: Workspace, rank: int, seed: int, monitor: Monitor) ->
         columns = diffuse(stage, columns, metrics, 1, monitor)
     columns = _polish_columns(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
     columns = _prolong_to_finest(workspace, stage, columns[:, :1])
+    if is_rough:
+        return _smooth_column(workspace.stages[0], columns)
     return _polish_columns(workspace.stages[0], columns, density, FINE_STEPS, monitor)
+
+
+def _smooth_column(stage: Stage, column: np.ndarray) -> np.ndarray:
+    """An (N * width, 1) field after some steps of damped Jacobi, which even out what lies within aggregates."""
+    if stage.flips is not None:
+        return column
+    steps = (DAMPING / stage.matrix.matrix.diagonal().real)[:, None]
+    for _ in range(SMOOTHED):
+        fields = column.reshape(len(steps), -1)
+        column = stage.candidates.normalize((fields - steps * (stage.matrix @ fields)).reshape(-1, 1))
+    return column
 
 
 def search_without_relaxation(

@@ -147,8 +147,8 @@ class Workspace:
     stages : the piece itself first, then coarser ones
     """
 
-    def __init__(self, piece: Piece, hierarchy: Hierarchy | None = None) -> None:
+    def __init__(self, piece: Piece, hierarchy: Hierarchy | None = None, is_rough: bool = False) -> None:
         self.piece = piece
         self.matrix: SharedRows = SharedRows(piece.matrix) if piece.reductions.is_whole else piece.matrix
-        hierarchy = hierarchy or Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
+        hierarchy = hierarchy or Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground, is_rough=is_rough)
         self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]

@@ -115,7 +115,7 @@ def test_empties_mark_the_defects_of_their_faces(symmetry):
             assert values[face.index] == empty["synch_index"]
             assert (obj.matrix_world @ face.center - empty.matrix_world.translation).length < 1e-5
             (collection,) = empty.users_collection
-            assert collection.name.startswith("Synch Defects") and obj.name in collection.name
+            assert collection.name.startswith("Defects") and obj.name in collection.name
 
 
 def test_running_again_replaces_everything():

@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import left_defects
-from synch_fields.synch_addon.blender.defect_empties import defect_empties, write_defects
+from synch_fields.synch_addon.blender.defect_empties import defect_empties, orphaned_empties, write_defects
 
 from ..scenes import sphere
 from ..single_faces import FACES, some_defects
@@ -28,10 +28,10 @@ def test_empties_stand_where_the_defects_are():
     assert np.allclose(turn.matrix_world.to_quaternion() @ Vector((0, 0, 1)), (1, 0, 0), atol=1e-6)
     assert plus.color[0] > plus.color[2] and minus.color[2] > minus.color[0]
     assert plus.empty_display_type != turn.empty_display_type
-    collection = bpy.data.collections["Synch Defects: face"]
+    collection = bpy.data.collections["Defects: face"]
     assert set(collection.objects) == {plus, minus, turn}
-    assert collection.name in bpy.data.collections["Synch Defects"].children
-    assert "Synch Defects" in bpy.context.scene.collection.children
+    assert collection.name in bpy.data.collections["Defects"].children
+    assert "Defects" in bpy.context.scene.collection.children
 
 
 def test_a_second_run_replaces_the_empties_of_the_kinds_that_it_is_given():
@@ -48,17 +48,31 @@ def test_a_second_run_replaces_the_empties_of_the_kinds_that_it_is_given():
     assert bpy.data.objects.keys() == ["face"] and not bpy.data.collections
 
 
+def test_collections_of_earlier_versions_get_the_present_names():
+    obj = FACES["regular quad"].build()
+    write_defects(obj, some_defects())
+    for collection in list(bpy.data.collections):  # a new name moves one
+        collection.name = f"Synch {collection.name}"
+    write_defects(FACES["regular quad"].build(), some_defects())
+    write_defects(obj, some_defects())
+    assert sorted(bpy.data.collections.keys()) == ["Defects", "Defects: face", "Defects: face.001"]
+    for collection in list(bpy.data.collections):  # a new name moves one
+        collection.name = f"Synch {collection.name}"
+    delete(obj)
+    assert len(orphaned_empties()) == 3
+
+
 def test_two_objects_keep_their_own_empties_and_hidden_collections_stay_hidden():
     first, second = FACES["regular quad"].build(), FACES["regular quad"].build()
     write_defects(first, some_defects())
     write_defects(second, some_defects())
-    bpy.data.collections["Synch Defects: face"].hide_viewport = True
+    bpy.data.collections["Defects: face"].hide_viewport = True
     write_defects(first, some_defects()[:2])
     assert len(defect_empties(first)) == 2 and len(defect_empties(second)) == 3
-    assert bpy.data.collections["Synch Defects: face"].hide_viewport
+    assert bpy.data.collections["Defects: face"].hide_viewport
     write_defects(first, [])
-    assert "Synch Defects: face" not in bpy.data.collections
-    assert len(bpy.data.collections["Synch Defects: face.001"].objects) == 3
+    assert "Defects: face" not in bpy.data.collections
+    assert len(bpy.data.collections["Defects: face.001"].objects) == 3
 
 
 def delete(obj):
@@ -73,7 +87,7 @@ def test_empties_of_a_deleted_object_go_and_undo_brings_both_back():
     for one in (obj, other):
         write_defects(one, some_defects())
     name, free = obj.name, bpy.data.objects.new("Mine", None)
-    bpy.data.collections[f"Synch Defects: {name}"].objects.link(free)
+    bpy.data.collections[f"Defects: {name}"].objects.link(free)
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="before")
     delete(obj)
@@ -86,7 +100,7 @@ def test_empties_of_a_deleted_object_go_and_undo_brings_both_back():
         bpy.ops.ed.undo()
         back = bpy.data.objects[name]
         assert len(defect_empties(back)) == 3
-        assert len(bpy.data.collections[f"Synch Defects: {name}"].objects) == 4
+        assert len(bpy.data.collections[f"Defects: {name}"].objects) == 4
         bpy.ops.ed.redo()
         assert name not in bpy.data.objects
         left_defects.remove_left_defects()

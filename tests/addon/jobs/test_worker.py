@@ -3,6 +3,7 @@
 """The child that solves: kept, replaced, ended, and whatever happens to it told in one line."""
 
 import os
+import re
 import signal
 import time
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ import pytest
 
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs import queue as queue_module
-from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.jobs.queue import Work, queue
 from synch_fields.synch_addon.jobs.worker import Worker, WorkerGone
 from synch_fields.synch_addon.patterns.job import FieldJob
 
@@ -35,8 +36,26 @@ def test_a_child_that_cannot_be_started_gives_one_line(own_child, monkeypatch):
     loop, operator = begun(Stripes())
     assert loop.run(operator) == {"CANCELLED"}
     assert operator.reports == [
-        ({"ERROR"}, "the process that solves cannot be started: /nowhere/python: No such file or directory")
+        ({"ERROR"}, "Icosphere: the process that solves cannot be started: /nowhere/python: No such file or directory")
     ]
+
+
+def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it_took():
+    sphere()
+    loop, operator = begun(Stripes())
+    work = queue.running
+    loop.run(operator, lambda: work.expected is not None)
+    assert work.fraction < 0.1 and re.fullmatch(r"\d+ s(, about \d+ s left)?", work.times)
+    work.expected = work.age + 60.0
+    work.fraction = 0.0
+    assert re.fullmatch(r"\d+ s, about (59|60) s left", work.times)
+    assert re.fullmatch(r"0%  [a-z ]+, about (59|60) s left", work.short_line)
+    work.expected = None
+    assert re.fullmatch(r"0%  [a-z ]+, \d+ s", work.short_line)
+    work._told = work.age, 1e-3  # far less than it will take
+    before = Work._paces.get(work.label, 1.0)
+    assert loop.run(operator) == {"FINISHED"}
+    assert Work._paces[work.label] > 1.5 * before
 
 
 def test_a_result_that_memory_cannot_hold_gives_one_line(monkeypatch):
@@ -84,7 +103,10 @@ def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
     os.kill(child(), signal.SIGKILL)
     assert loop.run(operator) == {"CANCELLED"} and snapshot() == before and loop.free
     (report,) = operator.reports
-    assert report == ({"ERROR"}, "the process that solves has ended (signal 9): nothing was changed, run again")
+    assert report == (
+        {"ERROR"},
+        "Icosphere: the process that solves has ended (signal 9): nothing was changed, run again",
+    )
     loop, operator = begun(Stripes())
     assert loop.run(operator) == {"FINISHED"}
 
@@ -168,7 +190,7 @@ def test_a_request_that_cannot_be_read_gives_one_line(monkeypatch):
     number = child()
     assert loop.run(operator) == {"CANCELLED"} and not is_alive(number)
     assert operator.reports == [
-        ({"ERROR"}, "the process that solves could not read what it was asked: nothing was changed")
+        ({"ERROR"}, "Icosphere: the process that solves could not read what it was asked: nothing was changed")
     ]
 
 

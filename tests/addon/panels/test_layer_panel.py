@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.geometry.filling.lengths import estimate
+from synch_fields.core.tasks.solids import TET_SECONDS
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes
 from synch_fields.synch_addon.blender.schema import LAYER
+from synch_fields.synch_addon.jobs.queue import Work
 from synch_fields.synch_addon.nodes.layers import layer_colors
 from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
 from synch_fields.synch_addon.panels import overlay
@@ -53,8 +55,10 @@ def test_the_panel_tells_beforehand_how_many_tetrahedra_there_will_be(size):
     bpy.context.view_layer.update()
     if size is not None:
         obj.synch_layering.automatic_size, obj.synch_layering.size = False, size
-    (text,) = [label for label in drawn()[0] if label.startswith("About")]
-    count = int(re.match(r"About ([\d,]+) tetrahedra, ([\d,]+) MB", text)[1].replace(",", ""))
+    text = "\n".join(drawn()[0])
+    found = re.search(r"About ([\d,]+) tetrahedra\nAbout (\d+) s, ([\d,]+) MB", text)
+    count, seconds = int(found[1].replace(",", "")), int(found[2])
+    assert seconds == pytest.approx(max(TET_SECONDS * count * Work._paces.get("Layers", 1.0), 1), abs=0.6)
     surface = read_surface(obj)
     assert count == pytest.approx(estimate(surface.distance, size).tets, rel=0.02)
     if size is not None:

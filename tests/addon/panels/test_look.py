@@ -8,7 +8,7 @@ import pytest
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.materials import pattern_node
-from synch_fields.synch_addon.nodes.stripes import INK_BLUE
+from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 from synch_fields.synch_addon.panels import look
 from synch_fields.synch_addon.panels.pattern_shader import edge
 
@@ -39,21 +39,21 @@ def drawn(obj):
 @pytest.mark.parametrize("command", ["stripes", "quads"])
 def test_the_look_is_the_nodes_own(command):
     obj = sphere()
-    assert drawn(obj) == [] and look.look_of(obj) == (INK_BLUE, 0.5)
+    assert drawn(obj) == [] and look.look_of(obj) == (INK_BLUE, WARM_IVORY, 0.5)
     getattr(api, command)(obj, spacing=0.5)
     assert drawn(obj) == ["Color", "Background", command, "Width", "Softness"]
     node = pattern_node(obj, command)
     setattr(obj.synch_look, command, "CHECKER" if command == "quads" else "ROUNDED")
     assert node.inputs["Profile"].default_value == (1 if command == "quads" else 3)
     node.inputs["Color"].default_value, node.inputs["Width"].default_value = (1, 0.5, 0.25, 1), 0.25
-    assert look.look_of(obj) == ((1, 0.5, 0.25, 1), 0.25)
+    assert look.look_of(obj) == ((1, 0.5, 0.25, 1), pytest.approx(WARM_IVORY), 0.25)
 
 
 def test_what_a_preset_leads_to_the_node_is_left_to_it():
     obj = sphere()
     api.preset(obj, "zebra")
     assert "Width" not in drawn(obj) and "Softness" in drawn(obj)
-    assert look.look_of(obj)[1] == 0.5
+    assert look.look_of(obj)[2] == 0.5
 
 
 def test_other_materials_have_no_look():

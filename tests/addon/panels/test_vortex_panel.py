@@ -13,6 +13,7 @@ import pytest
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.chosen import flow_of
 from synch_fields.synch_addon.flows.properties import VortexProperties
+from synch_fields.synch_addon.jobs.queue import Work
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
 from synch_fields.synch_addon.panels.vortices import SYNCH_PT_vortex_result, SYNCH_PT_vortices
 
@@ -32,10 +33,12 @@ def drawn(panel):
 
 
 def estimated():
-    """Nodes along the axes and gigabytes that the panel tells."""
-    (line,) = [text for text in drawn(SYNCH_PT_vortices)[0] if "nodes" in text]
-    *shape, memory = re.match(r"(\d+) × (\d+) × (\d+) nodes, about ([\d.]+) GB", line).groups()
-    return [int(count) for count in shape], float(memory)
+    """Nodes along the axes, seconds and megabytes that the panel tells."""
+    lines = "\n".join(drawn(SYNCH_PT_vortices)[0])
+    *shape, seconds, memory = map(
+        int, re.search(r"(\d+) × (\d+) × (\d+) nodes\nAbout (\d+) s, (\d+) MB", lines).groups()
+    )
+    return shape, seconds, memory
 
 
 def test_the_estimate_is_the_grid_that_is_solved(tmp_path):
@@ -45,7 +48,11 @@ def test_the_estimate_is_the_grid_that_is_solved(tmp_path):
     assert not [text for text in drawn(SYNCH_PT_vortices)[0] if "nodes" in text]  # nothing is chosen
     settings.filepath = str(write_vdb(tmp_path / "ring.vdb"))
     solved = api.clebsch(settings.filepath, **rough)
-    assert estimated() == (solved["shape"], pytest.approx(np.prod(solved["shape"]) * 22e-6 / 1.074, abs=0.1))
+    nodes = np.prod(solved["shape"])
+    shape, seconds, memory = estimated()
+    assert shape == solved["shape"] and memory == pytest.approx(nodes * 22e-3 / 1.049, abs=1)
+    pace = Work._paces.get("Vortices", 1.0)
+    assert seconds == pytest.approx(max(nodes * 2e-4 * pace, 1), abs=0.5)
     bpy.ops.object.volume_import(filepath=settings.filepath)
     settings.filepath = ""
     volume = bpy.context.active_object

@@ -133,7 +133,7 @@ def test_what_is_no_pin_is_refused(pins, match):
 def test_faces_that_are_not_there_and_mirrors_are_refused_and_nothing_changes():
     obj = torus()
     before = snapshot()
-    for settings, match in (({"pins": "9999=1"}, "no face 9999"), ({"pins": "5=1", "mirror": "X"}, "remove the pins")):
+    for settings, match in (({"pins": "9999=1"}, "no face 9999"), ({"pins": "5=1", "mirror": "X"}, "pin both sides")):
         with pytest.raises(SynchError, match=match):
             api.stripes(obj, spacing=0.5, **settings)
     assert snapshot() == before

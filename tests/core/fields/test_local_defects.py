@@ -2,23 +2,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Line ends that are moved and added: where they lie afterwards, and that nothing else changes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.directions import DirectionWishes
 from synch_fields.core.fields.local_defects import LENGTH, REACH, add_stripe, move_line_ends
 from synch_fields.core.fields.mirror import Mirror
-from synch_fields.core.fields.placement import with_defects, with_line_ends
+from synch_fields.core.fields.placement import with_line_ends
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.problem import SynchronizationProblem
 
 from ..direction_wishes import boundary_row
 from ..meshes import annulus, bumpy_torus, icosphere, together
 
-SPACING = 0.5
+SPACING, SMALL = 0.5, 0.2
 KINDS = {"vector": (1, stripe_pattern), "line": (2, stripe_pattern), "cross": (4, quad_pattern)}
 
 
@@ -115,16 +119,36 @@ def test_fixed_phases_stay():
         add_stripe(pattern, on_rim)
 
 
-def test_mirrored_phases_change_on_both_sides():
-    mesh = icosphere(4)
-    mirrors = [Mirror.of(mesh, mirrored_vertices(mesh, Polygons.of_triangles(mesh), 0), 0)]
-    field = direction_field(mesh, 2, DirectionWishes(mirrors=mirrors))
-    pattern = stripe_pattern(mesh, field, 0.4, mirrors=mirrors)
-    found = with_line_ends(pattern, [100])
-    assert found.energy == pytest.approx(with_defects(pattern, [100]).energy)
-    start = next(iter(sizes(pattern)))
-    with pytest.raises(SettingError, match="mirrored"):
-        move_line_ends(pattern, start, int(free_triangles(pattern)[0]))
+@pytest.mark.parametrize("kind", ["line", "cross"])
+def test_mirrored_line_ends_move_and_begin_on_both_sides(kind):
+    mesh, (symmetry, solve) = icosphere(4), KINDS[kind]
+    partner = mirrored_vertices(mesh, Polygons.of_triangles(mesh), 0)
+    mirrors = [Mirror.of(mesh, partner, 0)]
+    field = direction_field(mesh, symmetry, DirectionWishes(mirrors=mirrors))
+    pattern = solve(mesh, field, SMALL, mirrors=mirrors)
+    places = centres(mesh)
+    image = cKDTree(places).query(places * [-1, 1, 1])[1]
+    near = free_triangles(pattern)
+    place = np.array([0.7, 0.5, 0.5])
+    wanted = place, place + [0, SMALL, 0]
+    start, end = (int(near[np.linalg.norm(places[near] - at, axis=1).argmin()]) for at in wanted)
+    added = add_stripe(pattern, start)
+    # As good as one stripe after the other in the same pattern without the mirror.
+    free = replace(pattern, problem=SynchronizationProblem(pattern.problem.connection, pattern.problem.mass))
+    assert added.energy < 1.3 * add_stripe(add_stripe(free, start), int(image[start])).energy
+    moved = move_line_ends(added, start, end)
+    far = np.min([np.linalg.norm(mesh.vertices * [side, 1, 1] - place, axis=1) for side in (1, -1)], axis=0)
+    for found in (added, moved, with_line_ends(pattern, [mesh.triangles[start, 0]])):
+        defects = {triangle for triangle in sizes(found) if abs(places[triangle, 0]) > 0.1}  # one is its own image
+        assert {int(image[triangle]) for triangle in defects} == defects
+        same = (found.phases == pattern.phases).reshape(mesh.vertex_count, -1).all(axis=1)
+        assert same[far > 1.5 * REACH * SMALL + SMALL].all() and not same.all()
+        seen = np.cos(np.angle(found.phases.reshape(mesh.vertex_count, -1))).prod(axis=1)
+        np.testing.assert_allclose(seen[partner], seen, atol=1e-9)
+    assert start in sizes(added) and end in sizes(moved)
+    on_plane = int(np.abs(places[:, 0]).argmin())
+    with pytest.raises(SettingError, match="mirror plane"):
+        move_line_ends(added, start, on_plane)
 
 
 def test_what_cannot_be_is_refused():

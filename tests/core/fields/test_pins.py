@@ -7,8 +7,11 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import DirectionWishes, direction_field
+from synch_fields.core.fields.mirror import Mirror, mirrored_moves
 from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.mirror import mirrored_vertices
+from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers
 
 from ..meshes import icosphere, mixed_torus
@@ -85,3 +88,34 @@ def test_what_is_no_pin_is_refused():
     for pins, match in ((((9999, 0.5),), "no triangle 9999"), (((0, 0.3),), "multiple of 0.5")):
         with pytest.raises(SettingError, match=match):
             direction_field(mesh, 2, DirectionWishes(pins=pins))
+
+
+def test_a_move_of_a_face_has_its_mirror_images():
+    mesh = icosphere(2)
+    polygons = Polygons.of_triangles(mesh)
+    mirrors = [Mirror.of(mesh, mirrored_vertices(mesh, polygons, axis), axis) for axis in (0, 2)]
+    places = mesh.vertices[mesh.triangles].mean(axis=1)
+    start, end = (int(np.linalg.norm(places - place, axis=1).argmin()) for place in ([0.5, 0.5, 0.5], [0.3, 0.2, 0.9]))
+    moves = mirrored_moves(mirrors, polygons, start, end)
+    assert len(moves) == 4 and moves[start] == end
+    for first, second in moves.items():
+        signs = np.sign(places[first] * places[start])
+        np.testing.assert_allclose(places[first], signs * places[start], atol=1e-9)
+        np.testing.assert_allclose(places[second], signs * places[end], atol=1e-9)
+    on_plane = int(np.abs(places[:, 0]).argmin())
+    if mirrors[0].image_of_face(polygons, on_plane) == on_plane:
+        with pytest.raises(SettingError, match="stays there"):
+            mirrored_moves(mirrors, polygons, on_plane, end)
+
+
+def test_pins_on_both_sides_of_a_mirror_hold():
+    mesh = icosphere(3)
+    mirror = Mirror.of(mesh, mirrored_vertices(mesh, Polygons.of_triangles(mesh), 0), 0)
+    places = mesh.vertices[mesh.triangles].mean(axis=1)
+    pinned = [int(np.linalg.norm(places - [side, 0.2, 0.5], axis=1).argmin()) for side in (0.6, -0.6)]
+    pins = tuple((triangle, 0.5) for triangle in pinned)
+    field = direction_field(mesh, 2, DirectionWishes(mirrors=(mirror,), pins=pins))
+    assert [indices(field)[triangle] for triangle in pinned] == [0.5, 0.5]
+    assert sum(indices(field).values()) == pytest.approx(2)
+    with pytest.raises(SettingError, match="one side of a mirror"):
+        direction_field(mesh, 2, DirectionWishes(mirrors=(mirror,), pins=pins[:1]))

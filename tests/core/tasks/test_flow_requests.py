@@ -4,12 +4,10 @@
 
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from synch_fields.core import monitor
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import FilamentCurves, filament_velocity
@@ -21,7 +19,7 @@ from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks import flows
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
-from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices
+from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices, solve_seconds
 
 from ..flows import ring_curve
 
@@ -158,14 +156,26 @@ def test_tubes_that_are_blobs_and_filaments_of_a_cell_are_told(ring_file):
     assert found.shown.tubes.blobs or wide.shown.tubes.blobs
 
 
-def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file, monkeypatch):
-    told = []
-    # Time stands still, so that the estimate is the first one wherever the test runs.
-    monkeypatch.setattr(monitor, "time", SimpleNamespace(perf_counter=lambda: 0.0))
-    FlowRequest(ring_file(), FlowSettings(target_gap=0.1)).solve(lambda *stage: told.append(stage) or True)
-    stages, fractions = zip(*told, strict=True)
-    assert next(stage for stage in stages if stage != "flow").endswith("about 1 s left")  # 18^3 nodes
-    assert list(fractions) == sorted(fractions)
+class _Told:
+    """A callback that keeps what it is told."""
+
+    def __init__(self):
+        self.expected, self.fractions = [], []
+
+    def __call__(self, stage, fraction):
+        self.fractions.append(fraction)
+        return True
+
+    def expect(self, seconds):
+        assert set(self.fractions) == {0.0}
+        self.expected.append(seconds)
+
+
+def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file):
+    told = _Told()
+    FlowRequest(ring_file(), FlowSettings(target_gap=0.1)).solve(told)
+    assert told.expected == [pytest.approx(solve_seconds(NODES**3))]
+    assert told.fractions == sorted(told.fractions)
 
 
 @pytest.mark.parametrize("spacing", [1.0, (1.0, 1.0, 40.0)])
