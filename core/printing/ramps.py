@@ -53,7 +53,8 @@ class Sheets:
         apart = 1e3 * (1 + np.abs(vertices).max(initial=0))
         foot = cKDTree(np.column_stack([vertices, apart * layers]))
         found = below(surfaces, solid, vertices, mesh.vertex_normals, layers, spacing)
-        around = _in_circles(*carrying_pairs(layers, found.layers, surfaces.count), surfaces.count)
+        upper, lower = carrying_pairs(layers, found.layers, surfaces.count)
+        around = _in_circles(upper, lower, surfaces.count)
         if not around.any():
             return None
         carried = np.flatnonzero(found.layers >= 0)
