@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tool paths as beads, while they are printed: a curved shell, a bent bar, a ring, a cup, the bunny, the rocker-arm;
-and the tubes that Tool Paths makes of them.
+"""Tool paths as beads, while they are printed: a curved shell, a bent bar, a ring, a cup, the bunny, the rocker-arm.
 
     python docs/make/printing.py MESHES [--folder docs]
 
@@ -9,24 +8,19 @@ is half as high as the layers are apart, sand where it is as high, red where it 
 bunny.mesh and rocker-arm.obj. Needs Blender as a module (bpy).
 """
 
-from itertools import pairwise
-
 import bpy
 import numpy as np
 
 from synch_fields.bench.command import arguments
 from synch_fields.bench.printing import bunny, placed, upright
-from synch_fields.bench.solid_shapes import bent_bar, box, cup, curved_shell, ring
+from synch_fields.bench.solid_shapes import bent_bar, cup, curved_shell, ring
 from synch_fields.core.printing.machine import Machine
 from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.docs.make.solid_pictures import material_of_values
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.looks.render import render_picture
-from synch_fields.synch_addon.nodes.beads import SLIDER, beads_modifier
-from synch_fields.synch_addon.nodes.canvas import set_inputs
 from synch_fields.synch_addon.solids import memory
-from synch_fields.synch_addon.solids.files import beads_of
 
 TILE, SAMPLES = (560, 500), 12
 # Points around a bead, and the power that squares it: 1 for an ellipse.
@@ -47,9 +41,8 @@ COLORS = [
 
 
 def main():
-    """Make the pictures."""
-    pictures = {"printing": printing, "beads": beads}
-    make_pictures(arguments(__doc__, "bunny.mesh and rocker-arm.obj", "the pictures go"), pictures)
+    """Make the picture."""
+    make_pictures(arguments(__doc__, "bunny.mesh and rocker-arm.obj", "the picture goes"), {"printing": printing})
 
 
 def printing(options, folder, path):
@@ -85,48 +78,6 @@ def wavy_ring():
     groups = {"Low": shape.low[used], "High": shape.high[used]}
     faces = surface.triangles.tolist()
     return surface.vertices, faces, groups, "harmonic:Low:High", "Low=layer:0.5,High=layer:0.5"
-
-
-def beads(options, folder, path):
-    """The cube with sparse infill by layer, the ring by tilt, the bent bar by speed; each after a share of the time."""
-    box_shape = (*box((1, 1, 1)), {}, "axis:Z", "")
-    table = 'axes = "ac"\nlargest_tilt = 80\n'
-    shown = {
-        "cube": (
-            box_shape,
-            'machine = "marlin"\nbed_height = 0\nwalls = 2\nskins = 2\ninfill = 0.2\n',
-            "layer",
-            20,
-            0.62,
-        ),
-        "ring": (wavy_ring(), table, "tilt", 26, 0.5),
-        "bar": (bent_bar(), table, "speed", 26, 0.8),
-    }
-    tiles = []
-    for label, (shape, machine, look, layers, share) in shown.items():
-        vertices, _, _, guidance, groups = shape
-        obj = placed(label, shape)
-        size = float(np.ptp(vertices, axis=0).max())
-        api.layers(obj, guidance=guidance, groups=groups, spacing=size / layers)
-        (folder / f"{label}.toml").write_text(f"{machine}scale = {100 / size}\n")
-        api.layer_toolpaths(obj, size / layers, machine=folder / f"{label}.toml", beads=look)
-        seen = beads_of(obj)
-        set_inputs(beads_modifier(seen), {SLIDER: share})
-        tiles.append(folder / f"{label}.png")
-        render_picture(realized(seen), tiles[-1], resolution=TILE, samples=SAMPLES, markers=False, view=(-32, 30))
-    beside(tiles, path)
-
-
-def realized(obj):
-    """The object, with what it shows as one mesh."""
-    group = bpy.data.node_groups.new("Realized", "GeometryNodeTree")
-    for side in ("INPUT", "OUTPUT"):
-        group.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
-    nodes = [group.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeRealizeInstances", "NodeGroupOutput")]
-    for one, other in pairwise(nodes):
-        group.links.new(one.outputs[0], other.inputs[0])
-    obj.modifiers.new("Realized", "NODES").node_group = group
-    return obj
 
 
 def beads_object(plan, share, spacing):
