@@ -172,7 +172,7 @@ def test_operator_in_edit_mode_returns_there():
     bpy.ops.object.mode_set(mode="EDIT")
     with pytest.raises(RuntimeError) as refused:
         bpy.ops.synch.stripes(spacing=-1)
-    assert operator_error(refused.value) == "the spacing is -1.0: give a positive number"
+    assert operator_error(refused.value) == f"{obj.name}: the spacing is -1.0: give a positive number"
     assert obj.mode == "EDIT"
 
 

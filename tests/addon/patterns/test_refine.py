@@ -82,7 +82,7 @@ def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
     obj, layout = grid(), Layout()
     refine.draw_told(layout, "stripes", obj)
     told = refine.expected_spacing("stripes", obj)
-    assert layout.lines == [translate("About {length} apart", length=f"{100 * told:.3g} cm")]
+    assert layout.lines == [translate("About {length} apart", length=f"{told:.3g} m")]
     obj.synch.automatic_spacing = False
     refine.draw_told(layout, "stripes", obj)
     assert len(layout.lines) == 1
