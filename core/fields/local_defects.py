@@ -186,7 +186,7 @@ def _are_nearest_images(problem: SynchronizationProblem, distances: np.ndarray) 
 
 
 def _with_images(problem: SynchronizationProblem, phases: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """The phases, with those that are joined to free ones."""
+    """The phases after the free ones changed: each phase that is joined to a free one follows it."""
     merged = problem.merged
     places, turns = np.column_stack([phases.real, phases.imag]), as_matrices(merged.transports)
     is_free = np.isin(merged.nodes, free)

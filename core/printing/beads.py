@@ -214,7 +214,7 @@ def distances_to_rims(surfaces: LayerSurfaces, step: float) -> BeadDistances:
 
 
 def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: BeadDistances, step: float) -> _Found:
-    """Lines, layers, kinds and half widths with those of more beads, put onto the layers, ordered by layer."""
+    """Add beads, put onto the layers, to the lines, layers, kinds and half widths found; all are ordered by layer."""
     if not more:
         return found
     mesh = found[0].mesh

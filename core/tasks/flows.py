@@ -35,6 +35,7 @@ from ..monitor import Callback, Monitor, Result, expect, portion
 from ..settings.flow import FlowSettings
 from ..solution import COARSE_DIFFUSED
 from ..solve import Options
+from .flow_costs import COARSE_ROUNDING, MOST_NODES, solve_memory, solve_seconds
 
 # Radius of a filament's tube, and the least of the cores of curves that tubes can surround, in cells of the grid.
 _THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
@@ -50,23 +51,6 @@ _NOISE, _IRROTATIONAL = 0.8, 2.0
 LEAST_SHARE, _SHORTFALL, _MORE_SOLVES, _FAR_BELOW = 0.6, 0.1, 3, 0.5
 # Mean number of filaments through a face above which there is a warning.
 _MANY_QUANTA = 0.25
-# Nodes above which fields are searched for on a coarse stage: half the time, energies larger by some per mille.
-_COARSE_ROUNDING = 60_000
-# Approximate seconds of a solve for each node, on one core: up to so many nodes, and beyond.
-_NODE_SECONDS, _LARGE_NODE_SECONDS = 2e-4, 1e-4
-# Bytes of a solve for each node with a proved bound, which is tried up to so many nodes, and without; and the most
-# nodes, 47 GB.
-_PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
-
-
-def solve_memory(nodes: int) -> int:
-    """The peak memory of a solve in bytes, measured on 24^3 to 64^3 nodes."""
-    return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
-
-
-def solve_seconds(nodes: int) -> float:
-    """About how long a solve takes on one core, measured on 24^3 to 64^3 nodes."""
-    return nodes * (_LARGE_NODE_SECONDS if nodes > _COARSE_ROUNDING else _NODE_SECONDS)
 
 
 def check_resolution(resolution: object) -> None:
@@ -79,7 +63,7 @@ def check_grid(grid: Grid, name: object) -> None:
     """Refuse a grid in a plane, and one whose solve no usual machine can hold; ``name`` is of the source."""
     if grid.dimension != 3:
         raise SettingError(f"{name}: a flow in a plane has no filaments to show: give one in space")
-    if grid.node_count > _MOST_NODES:
+    if grid.node_count > MOST_NODES:
         shape, needed = " x ".join(map(str, grid.shape)), solve_memory(grid.node_count) / 2**30
         raise SettingError(
             f"the grid has {shape} nodes, which take about {needed:.0f} GB: give a lower resolution, or a smaller file"
@@ -182,7 +166,7 @@ class FlowResult:
         grids, and with the map to the circle before the one to the sphere is solved for.
         """
         quantum, options = settings.quantum, Options.of(settings)
-        if len(grid.masses) > _COARSE_ROUNDING and options.rounding == FlowSettings.rounding:
+        if len(grid.masses) > COARSE_ROUNDING and options.rounding == FlowSettings.rounding:
             options = replace(options, rounding=COARSE_DIFFUSED)
         more = _MORE_SOLVES if quantum is None else 0
         if quantum is None:

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SettingError
+from ..errors import AsymmetryError, SettingError
 from ..fields import Guide, Row
+from ..fields.mirror import Mirror
 from ..geometry.mesh_input import MeshInput
+from ..geometry.mirror import mirrored_vertices
 from ..settings.surface import SurfaceSettings
 
 # Approximate seconds on one core for each vertex, by command, measured on 3,000 to 41,000 vertices; the share of them
@@ -67,6 +69,14 @@ class SurfaceSource:
     factors: float | np.ndarray = 1.0
     sharp: ArrayLike = ()
     is_fitted: bool = False
+
+    def mirrors(self, axes: str) -> tuple[Mirror, ...]:
+        """Mirrors in the object's axes, as letters, through its origin; AsymmetryError where the mesh has none."""
+        given, numbers = self.given, sorted("XYZ".index(letter) for letter in set(axes))
+        try:
+            return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
+        except AsymmetryError as error:
+            raise error.renumbered(given.source) from None
 
     def seconds(self, command: str, settings: SurfaceSettings) -> float:
         """About how long the command takes on one core."""

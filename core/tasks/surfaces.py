@@ -11,7 +11,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import AsymmetryError, ContradictionError, SettingError
+from ..errors import ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
 from ..extract.quads.finishing import check_quads, finish_quads
 from ..extract.quads.mirror import MirrorSide, plane_edges
@@ -29,13 +29,13 @@ from ..fields import (
 from ..fields.alignment import along_curvature
 from ..fields.constraints.features import feature_edges, feature_row
 from ..fields.directions import known_directions
-from ..fields.mirror import Mirror, Reflection, Seam
+from ..fields.mirror import Reflection, Seam
 from ..fields.patterns import KnownPattern, known_pattern, next_pattern, solve_pattern
 from ..fields.target_one_form import TargetOneForm
 from ..geometry import TriangleMesh
 from ..geometry.cut import edges_after_cut
 from ..geometry.mesh_input import MeshInput
-from ..geometry.mirror import mirror_planes, mirrored_vertices
+from ..geometry.mirror import mirror_planes
 from ..monitor import Callback, Monitor, expect, portion
 from ..refinement.spacing import (
     COARSE_SHARE,
@@ -113,7 +113,7 @@ class SurfaceRequest:
         rows = source.rows
         if command == "quad_mesh":
             rows += _feature_rows(given, settings, smallest_sides(mesh, spacings), source.sharp)
-        mirrors: tuple[Reflection, ...] = _mirrors(given, settings.mirror)
+        mirrors: tuple[Reflection, ...] = source.mirrors(settings.mirror)
         if given.seam is not None:
             mirrors += (Seam.of(mesh, given.seam, rows),)
         request = cls(command, source, settings, Options.of(settings), spacing, spacings, rows, mirrors)
@@ -331,15 +331,6 @@ class SurfaceRequest:
             yield
         except ContradictionError as error:
             raise error.renumbered(self.given.source) from None
-
-
-def _mirrors(given: MeshInput, axes: str) -> tuple[Mirror, ...]:
-    """Mirrors in the object's axes, as letters, through its origin."""
-    numbers = sorted("XYZ".index(letter) for letter in set(axes))
-    try:
-        return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
-    except AsymmetryError as error:
-        raise error.renumbered(given.source) from None
 
 
 def _feature_rows(given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike) -> tuple[Row, ...]:

@@ -8,7 +8,7 @@ that the user does: nothing but Esc over the 3D view is kept from Blender, and t
 import time
 
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import StringProperty
 
 from ...core.errors import Cancelled, SynchError
 from ...core.settings.guidance import AUTOMATIC
@@ -335,44 +335,6 @@ class FieldOperator(ObjectOperator):
         cost = report.get("pins_cost")
         pins = "" if cost is None else f"; with these pins directions bend {cost:+.1%}"
         return f"{report['object']}: energy {report['energy']:.4g}{proof}; {counts}{pins}"
-
-
-class SYNCH_OT_cancel(bpy.types.Operator):
-    """Stop a solve that runs or waits; everything stays as it was"""
-
-    bl_idname = "synch.cancel"
-    bl_label = "Cancel"
-    bl_options = {"INTERNAL"}
-
-    place: IntProperty(
-        name="Place", description="Number of the job in the queue, counted from 0; -1 for all jobs", min=-1
-    )
-
-    @classmethod
-    def poll(cls, context):
-        return queue.running is not None
-
-    def execute(self, context):
-        chosen = reversed(queue.works) if self.place < 0 else [queue.works[min(self.place, len(queue.works) - 1)]]
-        for work in list(chosen):
-            queue.cancel(work)
-        return {"FINISHED"}
-
-
-class SYNCH_OT_keep(bpy.types.Operator):
-    """Stop the solve and keep what it shows now"""
-
-    bl_idname = "synch.keep"
-    bl_label = "Good Enough"
-    bl_options = {"INTERNAL"}
-
-    @classmethod
-    def poll(cls, context):
-        return queue.running is not None and queue.running.picture is not None
-
-    def execute(self, context):
-        queue.keep(queue.running)
-        return {"FINISHED"}
 
 
 def navigates(event):

@@ -9,7 +9,8 @@ from ..bakes.job import bake_seconds
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..settings.rna import properties_of
-from .sidebar import SettingsPanel, draw_estimate, draw_settings, property_column
+from .progress import draw_estimate
+from .sidebar import SettingsPanel, draw_settings, property_column
 
 BAKE_NAMES = tuple(name for name, _ in records(BakeSettings))
 BakeProperties = properties_of(BakeSettings, BAKE_NAMES)

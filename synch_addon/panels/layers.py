@@ -20,12 +20,12 @@ from ..nodes.layers import opening_modifier
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
+from .progress import draw_estimate
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
     DetailsPanel,
     SidebarPanel,
     draw_automatic,
-    draw_estimate,
     draw_settings,
     draw_unready,
     property_column,

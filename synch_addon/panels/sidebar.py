@@ -1,12 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar tab "Synch" of the 3D View."""
 
-import math
-from dataclasses import asdict
-
 import bpy
 
-from ...core.errors import SynchError
 from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
@@ -15,17 +11,18 @@ from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
-from ..jobs.kept_results import read_result_or_empty
-from ..jobs.queue import Work, as_time, queue
+from ..jobs.queue import queue
 from ..patterns import memory
 from ..patterns.live import live
+from ..patterns.other_settings import shows_other_settings
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
-from ..settings.fields import MESH_NAMES, source_of, stored_settings
+from ..settings.fields import MESH_NAMES, source_of
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
+from .progress import draw_work
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
 
@@ -177,25 +174,6 @@ def draw_main(layout, obj):
         draw_share(column, settings, "branching")
 
 
-def shows_other_settings(obj, kind):
-    """Whether an object shows a pattern of a kind that was solved with other settings than the panel has now."""
-    result = read_result_or_empty(obj.synch.result)
-    if kind not in {"stripes", "quads"} or result.get("command") != kind or not result.get("settings"):
-        return False
-    try:
-        now = asdict(stored_settings(obj).for_command(kind))
-    except SynchError:
-        return False
-    names = {"guidance", "symmetry", "angle", "mirror", "branching", "singularities", "aspect", "boundary"}
-    names |= set() if obj.synch.automatic_spacing else {"spacing"}
-    return any(not _are_same(now[name], result["settings"].get(name, now[name])) for name in names)
-
-
-def _are_same(first, second):
-    numbers = isinstance(first, float | int) and isinstance(second, float | int)
-    return math.isclose(first, second, rel_tol=1e-4, abs_tol=1e-6) if numbers else first == second
-
-
 def draw_spacing(column, simple, settings):
     """How far lines are apart, as a length and as lines across the object; a length that is set is no longer
     automatic."""
@@ -260,23 +238,6 @@ def draw_shape(layout, obj):
         row = layout.row(align=True)
         row.label(text=translate("Shape: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
-
-
-def draw_work(bar, row, work):
-    """How far a job is, and the buttons that end it, which stand where those that begin one do."""
-    bar.progress(factor=work.fraction, text=work.short_line)
-    if work.can_be_kept:
-        row.operator("synch.keep", icon="CHECKMARK")
-    text = "Cancel" if work.picture is None else "Discard"
-    row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
-
-
-def draw_estimate(layout, label, seconds, megabytes=None):
-    """About how long work of a name takes, and how much memory."""
-    line = translate("About {time}", time=as_time(max(Work.seconds_here(label, seconds), 1)))
-    if megabytes is not None:
-        line = f"{line}, {megabytes:,.0f} MB"
-    layout.label(text=line, icon="TIME", translate=False)
 
 
 def draw_others(layout, obj):

@@ -5,13 +5,14 @@ import math
 
 import bpy
 
-from ...core.tasks.flows import solve_memory, solve_seconds
+from ...core.tasks.flow_costs import solve_memory, solve_seconds
 from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_shape
 from ..flows.files import can_export
-from .sidebar import DetailsPanel, SidebarPanel, draw_estimate, property_column
+from .progress import draw_estimate
+from .sidebar import DetailsPanel, SidebarPanel, property_column
 
 
 class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):

@@ -72,4 +72,4 @@ def test_the_button_says_when_the_pattern_is_of_other_settings(panel):
     panel.click(update)
     panel.until(f"{QUEUE}.running is None and abs(active().synch.spacing - 0.6) < 1e-4")
     panel.wait_for("Stripes")
-    panel.until("not part('panels.sidebar').shows_other_settings(active(), 'stripes')")
+    panel.until("not part('patterns.other_settings').shows_other_settings(active(), 'stripes')")

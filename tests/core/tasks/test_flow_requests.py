@@ -18,8 +18,9 @@ from synch_fields.core.geometry.grid import Grid, box_grid
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks import flows
+from synch_fields.core.tasks.flow_costs import solve_seconds
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
-from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices, solve_seconds
+from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices
 
 from ..flows import ring_curve
 
