@@ -62,6 +62,7 @@ MESH = "str([[v.co[:] for v in active().data.vertices], [f.vertices[:] for f in 
 
 @pytest.mark.parametrize(("name", "build"), SHAPES.items(), ids=SHAPES)
 def test_every_view_draws_the_stripes(panel, keep, name, build):
+    panel.run("view().view_distance = 8")
     panel.run("import bmesh\n" + build)
     mesh = panel.value(MESH)
     panel.click("Stripes")
