@@ -21,9 +21,10 @@ import numpy as np
 from . import reading
 from .screen import write_png
 
-# Seconds after which what is waited for counts as missing, more where other work has the processors, and that an event
-# needs to reach the window.
-PATIENCE = round(300 * max(1.0, os.getloadavg()[1] / os.cpu_count()))
+# How many times as long all takes where other work has the processors; seconds after which what is waited for counts as
+# missing, and that an event needs to reach the window.
+SLOWER = max(1.0, os.getloadavg()[1] / os.cpu_count())
+PATIENCE = round(300 * SLOWER)
 SETTLING = 0.3
 # Mean difference of bytes up to which two pictures are the same: samples are still added to what is rendered.
 _SAME = 0.2
