@@ -306,11 +306,14 @@ class FieldOperator(ObjectOperator):
     def _take(self, context):
         stored = context.active_object.synch
         self.guidance = stored_guidance(stored)
-        for name in PROPERTY_NAMES:
+        self.properties.property_unset("spacing")
+        self._take_settings(stored, PROPERTY_NAMES)
+
+    def _take_settings(self, stored, names):
+        """Take settings with these names from those that are kept with an object."""
+        for name in names:
             if name != "spacing" or not stored.automatic_spacing:
                 setattr(self, name, getattr(stored, self.stored_as.get(name, name)))
-        if stored.automatic_spacing:
-            self.properties.property_unset("spacing")
 
     def _settings(self):
         return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)

@@ -5,7 +5,7 @@ import bpy
 
 from ..blender.meshes import refusal
 from ..patterns.job import FieldJob
-from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties, source_of
+from ..settings.fields import MESH_NAMES, PROPERTY_NAMES, MeshProperties, SettingProperties, source_of
 from ..settings.guide_list import stored_guidance
 from .field_operator import FieldOperator
 
@@ -23,6 +23,15 @@ class _QuadMeshOperator(FieldOperator, MeshProperties, SettingProperties):
 
     command = "quad_mesh"
     stored_as = MESH_NAMES
+
+    def _announce(self, context, report):
+        """The quad mesh keeps what it was made with, for the next one."""
+        stored = bpy.data.objects[report["quad_mesh"]["object"]].synch
+        stored.automatic_spacing = not self.properties.is_property_set("spacing")
+        stored.made_along = self.guidance
+        for name in PROPERTY_NAMES:
+            setattr(stored, self.stored_as.get(name, name), getattr(self, name))
+        return super()._announce(context, report)
 
 
 class SYNCH_OT_quad_mesh(_QuadMeshOperator, bpy.types.Operator):
@@ -56,6 +65,10 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
     def _job(self, context):
         made = context.active_object
         source = source_of(made)
-        if not self.properties.is_property_set("guidance"):
-            self.guidance = stored_guidance(source.synch)
+        is_set = self.properties.is_property_set
+        if is_set("spacing") and not is_set("faces"):
+            self.faces = 0
+        if not is_set("guidance"):
+            self.guidance = made.synch.made_along or stored_guidance(source.synch)
+        self._take_settings(made.synch, [name for name in PROPERTY_NAMES if not is_set(name)])
         return FieldJob(self.command, source, self._settings(), replaced=made)

@@ -63,6 +63,7 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
     source: PointerProperty(
         name="Source", description="The object that this quad mesh was made of", type=bpy.types.Object
     )
+    made_along: StringProperty(name="Made Along", description="Guidance that this quad mesh was made with")
     result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
 
 

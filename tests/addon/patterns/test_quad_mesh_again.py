@@ -82,6 +82,29 @@ def test_directions_follow_what_the_source_follows(ball):
     assert snapshot() == around
 
 
+def test_settings_that_a_script_does_not_name_are_those_of_the_first_quad_mesh(ball):
+    made = made_of(ball, faces=300, guidance="axis:Y", branching=100, seed=3)
+    first = snapshot()
+    again(made, faces=200)
+    assert snapshot() != first
+    again(made, faces=300)
+    assert snapshot() == first
+    again(made)
+    assert snapshot() == first
+
+
+def test_a_spacing_that_a_script_names_counts_and_not_the_first_number_of_faces(ball):
+    by_spacing = made_of(ball, spacing=0.4)
+    wanted = len(by_spacing.data.polygons)
+    bpy.data.objects.remove(by_spacing)
+    ball.hide_set(False)
+    made = made_of(ball, faces=2 * wanted)
+    again(made, spacing=0.4)
+    assert len(made.data.polygons) == wanted
+    again(made)
+    assert len(made.data.polygons) == wanted
+
+
 def test_the_scale_is_that_of_the_source_as_it_is_now(ball):
     made = made_of(ball, faces=300)
     for scale in ((2, 2, 2), (1, 3, 1)):
