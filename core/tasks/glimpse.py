@@ -5,7 +5,7 @@ Vertices in the same cell of a cubic grid that face the same way are one vertex 
 wave around it, which the picture shows on the fine mesh.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,8 +27,26 @@ if TYPE_CHECKING:
 FEWEST, CELLS, LEAST = 20_000, 1.2, 3
 
 
-def glimpse(request: "SurfaceRequest") -> tuple[np.ndarray, np.ndarray] | None:
-    """The (3 m, 3) corners of the mesh's triangles, in the measured space, and the (3 m, k) phases there.
+@dataclass(frozen=True)
+class Picture:
+    """Triangles to draw.
+
+    Attributes
+    ----------
+    places : (3 t, 3) float32 corners of the triangles, in the object's space
+    phases : (3 t, 2) float32 radians there; the second is 0 for stripes
+    of_quads : whether there are two phases
+    is_result : whether a solve can end with what is drawn
+    """
+
+    places: np.ndarray
+    phases: np.ndarray
+    of_quads: bool
+    is_result: bool = True
+
+
+def glimpse(request: "SurfaceRequest") -> Picture | None:
+    """The picture, of the triangles of the mesh.
 
     None for meshes that are not much finer than the pattern, and for requests with guides, constraints, symmetries,
     pins, or directions that are given.
@@ -59,8 +77,11 @@ def glimpse(request: "SurfaceRequest") -> tuple[np.ndarray, np.ndarray] | None:
     except SynchError:
         return None
     assert result.pattern is not None  # only patterns are shown
-    places = mesh.vertices[mesh.triangles].reshape(-1, 3)
-    return places, _local_waves(mesh, cluster, given, result.pattern)
+    places = (mesh.vertices @ np.linalg.inv(request.given.stretch).T)[mesh.triangles].reshape(-1, 3)
+    waves = _local_waves(mesh, cluster, given, result.pattern)
+    phases = np.zeros((len(places), 2), np.float32)
+    phases[:, : waves.shape[1]] = waves
+    return Picture(places.astype(np.float32), phases, request.command != "stripes", is_result=False)
 
 
 def _clusters(mesh: TriangleMesh, size: float) -> np.ndarray:

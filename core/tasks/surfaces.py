@@ -50,7 +50,7 @@ from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..solution import GLANCE, Clock
 from ..solve import Options
 from ..solve.warm_start import Follower
-from .glimpse import glimpse
+from .glimpse import Picture, glimpse
 from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 from .surface_source import SurfaceSource
 
@@ -180,7 +180,7 @@ class SurfaceRequest:
             return self.solve(progress)
         early = glimpse(self)
         if early is not None:
-            show(self._early_picture(*early))
+            show(early)
         quick = replace(self, options=replace(self.options, method=GLANCE))
         show(quick.solve(portion(progress, 0.0, 0.05)))
         directions = self.directed(portion(progress, 0.05, 0.35))
@@ -194,13 +194,6 @@ class SurfaceRequest:
         vertices = self.given.mesh.vertices @ inverse.T
         places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
         return Picture(places, phases, self.command != "stripes")
-
-    def _early_picture(self, places: np.ndarray, phases: np.ndarray) -> "Picture":
-        """The picture of a glimpse."""
-        of_quads = self.command != "stripes"
-        both = phases if of_quads else np.column_stack([phases, np.zeros(len(phases))])
-        places = places.astype(np.float32) @ np.linalg.inv(self.given.stretch).T.astype(np.float32)
-        return Picture(places, both.astype(np.float32), of_quads, is_result=False)
 
     def directed(
         self, progress: Callback | None = None, before: DirectionField | None = None, follower: Follower | None = None
@@ -362,24 +355,6 @@ def _feature_rows(given: MeshInput, settings: SurfaceSettings, sides: np.ndarray
     if settings.mirror:
         edges = np.union1d(edges, plane_edges(given.mesh, mirror_planes(given.stretch, settings.mirror)))
     return (feature_row(given.mesh, edges),) if len(edges) else ()
-
-
-@dataclass(frozen=True)
-class Picture:
-    """Triangles to draw.
-
-    Attributes
-    ----------
-    places : (3 t, 3) float32 corners of the triangles, in the object's space
-    phases : (3 t, 2) float32 radians there; the second is 0 for stripes
-    of_quads : whether there are two phases
-    is_result : whether a solve can end with what is drawn
-    """
-
-    places: np.ndarray
-    phases: np.ndarray
-    of_quads: bool
-    is_result: bool = True
 
 
 @dataclass(frozen=True)
