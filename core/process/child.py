@@ -148,7 +148,9 @@ def _answer(request: _Request, send: _Send, watch: _Watch, inbox: _Inbox) -> tup
 
 
 class _PictureSender:
-    """Sends pictures of intermediate results at limited intervals; ``last`` is the result that was sent last."""
+    """Sends pictures of intermediate results at limited intervals; ``last`` is the result that was sent last.
+
+    A glimpse is a picture without a result."""
 
     def __init__(self, request: Any, send: _Send) -> None:
         self._request, self._send, self._time = request, send, -_PICTURE
@@ -162,8 +164,11 @@ class _PictureSender:
     def look(self) -> None:
         """Send the picture of the waiting result if the interval has passed."""
         if self._waiting is not None and time.monotonic() >= self._time + _PICTURE:
-            self.last, self._waiting = self._waiting, None
-            self._send(("shown", self._request.picture(self.last)))
+            waiting, self._waiting = self._waiting, None
+            picture = self._request.picture(waiting)
+            if getattr(picture, "is_result", True):
+                self.last = waiting
+            self._send(("shown", picture))
             self._time = time.monotonic()
 
 

@@ -50,6 +50,7 @@ from ..settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..solution import GLANCE, Clock
 from ..solve import Options
 from ..solve.warm_start import Follower
+from .glimpse import Picture, glimpse
 from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 from .surface_source import SurfaceSource
 
@@ -161,12 +162,13 @@ class SurfaceRequest:
         return self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
 
     def solve_showing(
-        self, show: Callable[["SurfaceResult"], object], progress: Callback | None = None
+        self, show: Callable[["SurfaceResult | Picture"], object], progress: Callback | None = None
     ) -> "SurfaceResult":
         """:meth:`solve` with intermediate results.
 
         For stripes and quads by the default method, ``show`` is called with a first result after a small part of the
-        time, then with each one that is better or has a bound; for a quad mesh, with one draft.
+        time, then with each one that is better or has a bound; on fine meshes, before these, with the picture of a
+        :func:`.glimpse.glimpse`. For a quad mesh it is called with one draft.
         """
         expect(progress, self.source.seconds(self.command, self.settings))
         if self.command == "quad_mesh" and self.options.method == "sdp":
@@ -176,12 +178,18 @@ class SurfaceRequest:
             return self.solve(portion(progress, _DRAFT, 1.0 - _DRAFT))
         if self.command not in SHOWN or self.options.method != "sdp":
             return self.solve(progress)
+        early = glimpse(self)
+        if early is not None:
+            show(early)
         quick = replace(self, options=replace(self.options, method=GLANCE))
         show(quick.solve(portion(progress, 0.0, 0.05)))
         directions = self.directed(portion(progress, 0.05, 0.35))
         return self.along(directions, portion(progress, 0.4, 0.55), show=show)
 
-    def picture(self, result: "PatternResult") -> "Picture":
+    def picture(self, result: "PatternResult | Picture") -> "Picture":
+        """What to draw of something shown."""
+        if isinstance(result, Picture):
+            return result
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
         vertices = self.given.mesh.vertices @ inverse.T
         places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
@@ -347,22 +355,6 @@ def _feature_rows(given: MeshInput, settings: SurfaceSettings, sides: np.ndarray
     if settings.mirror:
         edges = np.union1d(edges, plane_edges(given.mesh, mirror_planes(given.stretch, settings.mirror)))
     return (feature_row(given.mesh, edges),) if len(edges) else ()
-
-
-@dataclass(frozen=True)
-class Picture:
-    """Triangles to draw.
-
-    Attributes
-    ----------
-    places : (3 t, 3) float32 corners of the triangles, in the object's space
-    phases : (3 t, 2) float32 radians there; the second is 0 for stripes
-    of_quads : whether there are two phases
-    """
-
-    places: np.ndarray
-    phases: np.ndarray
-    of_quads: bool
 
 
 @dataclass(frozen=True)

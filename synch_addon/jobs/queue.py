@@ -98,7 +98,8 @@ class Work:
     @property
     def can_be_kept(self):
         """Whether there is a result to end with, and nobody has asked for that yet."""
-        return self.picture is not None and not (self.is_kept or self.is_over)
+        is_result = self.picture is not None and getattr(self.picture, "is_result", True)
+        return is_result and not (self.is_kept or self.is_over)
 
     def hear(self, word, *rest):
         """Handle a message of the worker."""

@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first picture on fine meshes: a wave of the asked spacing, continuous over the surface, before any result."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.process.child import _PictureSender
+from synch_fields.core.tasks.glimpse import FEWEST, glimpse
+from synch_fields.core.tasks.surfaces import Picture
+
+from ..meshes import torus
+from .test_surface_requests import asked, source_of
+
+
+class _Shown(Exception):
+    """Ends a solve at the first picture."""
+
+
+@pytest.mark.parametrize(("command", "symmetry"), [("stripes", "line"), ("stripes", "vector"), ("quads", "cross")])
+def test_a_glimpse_is_a_continuous_wave_of_the_asked_spacing(command, symmetry):
+    mesh = torus(around=240, across=100)
+    assert mesh.vertex_count >= FEWEST
+    spacing = 0.2
+    request = asked(command, source_of(mesh), spacing=spacing, symmetry=symmetry)
+    picture = glimpse(request)
+    places, phases = picture.places.reshape(-1, 3, 3), picture.phases.reshape(-1, 3, 2)
+    assert np.allclose(places, mesh.vertices[mesh.triangles], atol=1e-6)
+    assert picture.of_quads == (command == "quads") and picture.phases[:, 1].any() == picture.of_quads
+    # The drawn value at a vertex is the same in all its triangles.
+    drawn = np.cos(phases).prod(axis=2)
+    at_vertices = np.zeros(mesh.vertex_count)
+    at_vertices[mesh.triangles] = drawn
+    assert np.allclose(drawn, at_vertices[mesh.triangles], atol=1e-3)
+    # Gradients of the phases: they solve two equations in the plane of each triangle.
+    phases = phases if picture.of_quads else phases[..., :1]
+    edges = places[:, 1:] - places[:, :1]
+    gradients = np.linalg.pinv(edges) @ (phases[:, 1:] - phases[:, :1])
+    lines = np.linalg.norm(gradients, axis=1) * spacing / (2 * np.pi)
+    assert np.median(lines) == pytest.approx(1, abs=0.05)
+    assert (abs(lines - 1) < 0.3).mean() > 0.8
+
+
+def test_a_mesh_that_is_not_much_finer_than_its_pattern_and_a_constrained_one_have_none():
+    mesh = torus(around=240, across=100)
+    assert glimpse(asked("stripes", source_of(mesh), spacing=0.04)) is None
+    assert glimpse(asked("stripes", source_of(torus(around=100, across=50)), spacing=0.2)) is None
+    assert glimpse(asked("stripes", source_of(mesh), spacing=0.2, pins="7=1")) is None
+
+
+def test_a_solve_cannot_end_with_a_glimpse_that_is_shown_first():
+    request = asked("stripes", source_of(torus(around=240, across=100)), spacing=0.2)
+    shown = []
+
+    def show(result):
+        shown.append(result)
+        raise _Shown
+
+    with pytest.raises(_Shown):
+        request.solve_showing(show)
+    assert isinstance(shown[0], Picture) and not shown[0].is_result
+    assert len(shown[0].places) == len(shown[0].phases) == 3 * len(request.given.mesh.triangles)
+    sent = []
+    sender = _PictureSender(request, sent.append)
+    sender(shown[0])
+    assert sender.last is None and sent == [("shown", shown[0])]
