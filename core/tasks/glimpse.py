@@ -64,7 +64,10 @@ def glimpse(request: "SurfaceRequest") -> Picture | None:
     try:
         given = _coarse_copy(mesh, cluster, count)
         at = first[given.source]
-        spacings, turns = (values[at] if np.ndim(values) else values for values in (request.spacings, source.turns))
+        spacings, turns = (
+            values[at] if isinstance(values, np.ndarray) and values.ndim else values
+            for values in (request.spacings, source.turns)
+        )
         settings = replace(request.settings, strict=False)
         coarse = SurfaceSource(given, turns=turns)
         result = replace(

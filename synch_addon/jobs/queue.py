@@ -98,8 +98,12 @@ class Work:
     @property
     def can_be_kept(self):
         """Whether there is a result to end with, and nobody has asked for that yet."""
-        is_result = self.picture is not None and getattr(self.picture, "is_result", True)
-        return is_result and not (self.is_kept or self.is_over)
+        return self.shows_result and not (self.is_kept or self.is_over)
+
+    @property
+    def shows_result(self):
+        """Whether the picture is of a result, and not a glimpse."""
+        return self.picture is not None and getattr(self.picture, "is_result", True)
 
     def hear(self, word, *rest):
         """Handle a message of the worker."""

@@ -38,7 +38,7 @@ class SYNCH_OT_keep(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return queue.running is not None and queue.running.can_be_kept
+        return queue.running is not None and queue.running.shows_result
 
     def execute(self, context):
         queue.keep(queue.running)
