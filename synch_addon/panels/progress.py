@@ -10,7 +10,7 @@ def draw_work(bar, row, work):
     bar.progress(factor=work.fraction, text=work.short_line)
     if work.can_be_kept:
         row.operator("synch.keep", icon="CHECKMARK")
-    text = "Cancel" if work.picture is None else "Discard"
+    text = "Discard" if work.shows_result else "Cancel"
     row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
 
 
