@@ -121,6 +121,11 @@ def hide():
     if active():
         active().hide_set(not active().hide_get())
 
+def record(action):
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, area=area(), region=window_region()):
+        bpy.ops.ed.undo_push(message=action)
+
 def unhide():
     for obj in bpy.context.view_layer.objects:
         obj.hide_set(False)
@@ -140,6 +145,9 @@ WEIGHTS = {
     "language": 2, "panel": 2, "hide": 1, "unhide": 2, "new_file": 0.4, "save_and_open": 0.6, "undo": 8,
     "redo": 4, "orbit": 4, "escape": 2, "scroll": 4, "wait": 6,
 }  # fmt: skip
+# Those that set properties by a script; in the window each is an undo step. Without it, what they made is gone after an
+# undo, and objects that the undo leaves as they are still point to it: Blender crashes.
+SET = {"choose", "settings", "vary", "drag", "frame", "change", "modify", "hide", "unhide"}
 # Lines that Blender prints when something is wrong, and what it says of refusals that a user reads in the window.
 WRONG = re.compile(r"traceback|exception|\w*error\b|rna_ui|not found|failed|assert|segmentation|invalid", re.IGNORECASE)
 HARMLESS = re.compile(r"^(Error|Warning|Info): (?!Python)|error console|mounted file-systems|libEGL|^\s*$")
@@ -210,7 +218,7 @@ def test_no_error_is_printed_while_a_user_works(window_of_its_own):
         if done[-1] in ("undo", "redo", "orbit", "escape", "scroll", "wait"):
             by_hand(blender, done[-1])
         else:
-            blender.run(f"{done[-1]}()")
+            blender.run(f"{done[-1]}()" + (f"; record({done[-1]!r})" if done[-1] in SET else ""))
         if done[-1] == "new_file":  # whose sidebar is closed
             blender.until("region('WINDOW')[2] > 1")
             blender.open_panel()
