@@ -263,6 +263,13 @@ class ObjectOperator(ReadyOperator, BackgroundOperator):
     """Mixed into an operator that solves for a mesh object."""
 
 
+def take_settings(operator, stored, names):
+    """Give an operator the settings with these names that are kept with an object."""
+    for name in names:
+        if name != "spacing" or not stored.automatic_spacing:
+            setattr(operator, name, getattr(stored, operator.stored_as.get(name, name)))
+
+
 class FieldOperator(ObjectOperator):
     """Mixed into an operator with the setting properties; ``command`` names the API function.
 
@@ -307,13 +314,7 @@ class FieldOperator(ObjectOperator):
         stored = context.active_object.synch
         self.guidance = stored_guidance(stored)
         self.properties.property_unset("spacing")
-        self._take_settings(stored, PROPERTY_NAMES)
-
-    def _take_settings(self, stored, names):
-        """Take settings with these names from those that are kept with an object."""
-        for name in names:
-            if name != "spacing" or not stored.automatic_spacing:
-                setattr(self, name, getattr(stored, self.stored_as.get(name, name)))
+        take_settings(self, stored, PROPERTY_NAMES)
 
     def _settings(self):
         return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)

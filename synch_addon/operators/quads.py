@@ -7,7 +7,7 @@ from ..blender.meshes import refusal
 from ..patterns.job import FieldJob
 from ..settings.fields import MESH_NAMES, PROPERTY_NAMES, MeshProperties, SettingProperties, source_of
 from ..settings.guide_list import stored_guidance
-from .field_operator import FieldOperator
+from .field_operator import FieldOperator, take_settings
 
 
 class SYNCH_OT_quads(FieldOperator, SettingProperties, bpy.types.Operator):
@@ -70,5 +70,5 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
             self.faces = 0
         if not is_set("guidance"):
             self.guidance = made.synch.made_along or stored_guidance(source.synch)
-        self._take_settings(made.synch, [name for name in PROPERTY_NAMES if not is_set(name)])
+        take_settings(self, made.synch, [name for name in PROPERTY_NAMES if not is_set(name)])
         return FieldJob(self.command, source, self._settings(), replaced=made)
