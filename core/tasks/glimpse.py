@@ -36,7 +36,7 @@ class Picture:
     places : (3 t, 3) float32 corners of the triangles, in the object's space
     phases : (3 t, 2) float32 radians there; the second is 0 for stripes
     of_quads : whether there are two phases
-    is_result : whether a solve can end with what is drawn
+    is_result : False for a glimpse, whose pattern is not one of the mesh and cannot be the result of a solve
     """
 
     places: np.ndarray
@@ -99,7 +99,7 @@ def _clusters(mesh: TriangleMesh, size: float) -> np.ndarray:
 
 
 def _coarse_copy(mesh: TriangleMesh, cluster: np.ndarray, count: int) -> MeshInput:
-    """The surface between the means of clusters; MeshError where there is none."""
+    """A surface whose vertices are the means of the clusters; raises MeshError where no triangle is left."""
     sizes = np.bincount(cluster, minlength=count)
     places = np.stack([np.bincount(cluster, axis, count) / sizes for axis in mesh.vertices.T], axis=1)
     triangles = cluster[mesh.triangles]
@@ -111,7 +111,7 @@ def _coarse_copy(mesh: TriangleMesh, cluster: np.ndarray, count: int) -> MeshInp
 
 
 def _local_waves(mesh: TriangleMesh, cluster: np.ndarray, given: MeshInput, pattern: KnownPattern) -> np.ndarray:
-    """(3 m, k) phases at the corners of triangles; in each, those of the other corners continue those of the first."""
+    """(3 m, k) phases at the corners of m triangles; inside a triangle they change without jumps of full turns."""
     one_form = pattern.one_form
     x, y = given.mesh.tangent_frames
     angles = one_form.angles[:, None] + np.arange(one_form.phase_count) * one_form.turn

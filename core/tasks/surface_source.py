@@ -71,7 +71,10 @@ class SurfaceSource:
     is_fitted: bool = False
 
     def mirrors(self, axes: str) -> tuple[Mirror, ...]:
-        """Mirrors in the object's axes, as letters, through its origin; AsymmetryError where the mesh has none."""
+        """Mirrors through the object's origin, across the axes that letters name, such as "XZ".
+
+        Raises AsymmetryError where the mesh is not symmetric about one of them.
+        """
         given, numbers = self.given, sorted("XYZ".index(letter) for letter in set(axes))
         try:
             return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)

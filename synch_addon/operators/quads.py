@@ -25,7 +25,7 @@ class _QuadMeshOperator(FieldOperator, MeshProperties, SettingProperties):
     stored_as = MESH_NAMES
 
     def _announce(self, context, report):
-        """The quad mesh keeps what it was made with, for the next one."""
+        """Store the settings with the quad mesh, where *Quad Mesh Again* finds them."""
         stored = bpy.data.objects[report["quad_mesh"]["object"]].synch
         stored.automatic_spacing = not self.properties.is_property_set("spacing")
         stored.made_along = self.guidance
