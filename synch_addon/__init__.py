@@ -9,7 +9,7 @@ import atexit
 import bpy
 
 from . import operators, panels
-from .blender import changes, left_defects, translations
+from .blender import changes, left_defects, translations, undo_steps
 from .blender.registration import Registration
 from .command import main
 from .flows import properties as flow_properties
@@ -34,6 +34,7 @@ _MODULES = (
     shelf,
     changes,
     left_defects,
+    undo_steps,
     flow_properties,
     queue,
     live,

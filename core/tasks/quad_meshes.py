@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
+# Largest ratio of the wanted to the found number of faces that a correction of the spacing relies on.
+MOST_CHANGE = 16.0
 # Most corrections of a pattern with dislocations.
 CORRECTIONS = 3
 # Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
@@ -189,7 +191,7 @@ class _SpacingFactor:
     def correct(self, count: float) -> None:
         """Correct the factor, which has given a number of faces."""
         self._bounds[count < self._faces] = self.factor
-        proportional = self.factor * float(np.sqrt(count / self._faces))
+        proportional = self.factor * float(np.sqrt(np.clip(count / self._faces, 1 / MOST_CHANGE, MOST_CHANGE)))
         low, high = self._bounds
         self.factor = float(np.sqrt(low * high)) if low > 0 and np.isfinite(high) else proportional
 

@@ -14,6 +14,7 @@ from ...core.errors import Cancelled, SynchError
 from ...core.settings.guidance import AUTOMATIC
 from .. import api
 from ..blender.translations import operator_error, translate
+from ..blender.undo_steps import undo_steps
 from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import count_text
@@ -52,15 +53,13 @@ class Click:
         self._left -= 1
         self._wrote |= result == {"FINISHED"}
         if self._left:
+            if self._wrote:
+                undo_steps.owe(label)
             return {"CANCELLED"}
         if self._wrote and result != {"FINISHED"}:
-            push_undo(label)
+            undo_steps.push(label)
+        undo_steps.settle()
         return result
-
-
-def push_undo(message):
-    """A step for undo, which is made where an operator is not to make it."""
-    bpy.ops.ed.undo_push(message=message)
 
 
 class BackgroundOperator:

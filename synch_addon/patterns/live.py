@@ -21,6 +21,7 @@ from ..blender.objects import ObjectLink
 from ..blender.pattern_surface import surface_of
 from ..blender.timers import Timer
 from ..blender.transaction import whole_or_nothing
+from ..blender.undo_steps import undo_steps
 from ..jobs.queue import queue
 from ..jobs.report import Report
 from ..reading.surface import gather, settings_for
@@ -29,6 +30,7 @@ from . import memory, own_surface
 from .curves_read import curves_read
 from .job import write_result
 
+_NAME = "Live"
 # Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change; in
 # which a new pattern fades in.
 _TICK, _PATIENCE, _REST, _FADE = 0.03, 0.7, 0.33, 0.4
@@ -155,7 +157,7 @@ class _Live:
         is_painted, self._is_painted = self._is_painted, False
         try:
             job = LiveJob(obj, asked[0], shown, self._followers, instead, is_painted)
-            self._work = queue.add(job, "Live", is_quiet=True)
+            self._work = queue.add(job, _NAME, is_quiet=True)
         except SynchError as error:
             self._say(str(error))
 
@@ -188,6 +190,7 @@ class _Live:
                     self._fade = job, work.result, time.monotonic()
                 return
             job.write(work.result)
+            undo_steps.owe(_NAME)
         except Cancelled:
             self._asked_last = None
             return
@@ -214,20 +217,20 @@ class _Live:
         else:
             self._changed, self._shown, self._turned_only = None, None, True
             if not bpy.app.background:
-                with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-                    bpy.ops.ed.undo_push(message="Live")
+                undo_steps.push(_NAME)
 
     def _settle_on(self, obj, shown, settings):
         if self._fade is None:
             settling = {"settles": self._stages.pop(0), "turned_only": self._turned_only}
             job = LiveJob(obj, settings, shown, self._followers, True, **settling)
-            self._work = queue.add(job, "Live", is_quiet=True)
+            self._work = queue.add(job, _NAME, is_quiet=True)
             return
         job, result, start = self._fade
         share = min((time.monotonic() - start) / _FADE, 1.0)
         if share == 1:
             self._fade = None
         job.write(result, share)
+        undo_steps.owe(_NAME)
         self._shown = memory.state(obj)
 
     def _say(self, line):
@@ -259,7 +262,7 @@ def _on_toggle(manager, _context):
 
 def register():
     bpy.types.WindowManager.synch_live = BoolProperty(
-        name="Live",
+        name=_NAME,
         description="Let stripes and quads follow their settings while these are dragged; click on Stripes or Quads "
         "for a full solve",
         update=_on_toggle,

@@ -31,3 +31,24 @@ def test_one_click_solves_all_selected_objects_and_one_cancels_them(panel, keep)
     panel.move((700, 500))
     panel.press("Z", ctrl=True)  # one step for one click
     panel.until("not any(obj.synch.result for obj in bpy.data.objects)")
+
+
+def test_undo_between_two_objects_of_a_click_takes_back_the_first(panel):
+    """Its modifier would else point to a surface that is gone, and Blender crash."""
+    for size in (6, 2):  # the second is shown on a surface of its own; the first takes a while
+        panel.run(f"bpy.ops.mesh.primitive_ico_sphere_add(subdivisions={size}, location=({size}, 0, 0))")
+    panel.run("bpy.ops.ed.undo_push(message='add')")
+    panel.run("[obj.select_set(obj.type == 'MESH') for obj in bpy.data.objects]")
+    first, objects = panel.value("active().name"), panel.value("sorted(obj.name for obj in bpy.data.objects)")
+    panel.click("Stripes")
+    panel.until("active().synch.result")
+    assert panel.value("[len(active().modifiers) > 0, len(part('jobs.queue').queue.works)]") == [True, 1]
+    panel.move((700, 500))
+    panel.press("Z", ctrl=True)
+    panel.until(f"not bpy.data.objects[{first!r}].synch.result")
+    assert not panel.value(f"len(bpy.data.objects[{first!r}].modifiers)")
+    panel.until("not part('jobs.queue').queue.works")
+    panel.press("Z", ctrl=True, shift=True)
+    panel.press("Z", ctrl=True)
+    panel.run("bpy.ops.ed.undo_push(message='still alive')")
+    assert set(panel.value("sorted(obj.name for obj in bpy.data.objects)")) >= set(objects)

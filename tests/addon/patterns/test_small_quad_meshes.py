@@ -114,3 +114,16 @@ def test_pieces_that_are_too_small_are_told():
     told = "1 of 2 pieces of the surface are too small"
     report = checked(bpy.context.object, spacing=0.8, features=0)
     assert any(told in line for line in report["warnings"])
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [(0, 1, 0), (0, 0, 0), (0, -2, 0), (0, 0, 3), (1, 0, 0)],  # no quad fits at first
+        [(0, 0, 0), (0, 0, 0), (0, -3, 0), (3, 0, -3), (-2, 0, 0)],  # a grid line without length
+        [(0, 1, 0), (0, 0, 0), (0, 0, 0), (0, 0, 1)],  # triangles without area
+    ],
+)
+def test_one_face_of_corners_that_coincide_or_leave_its_plane(corners, scale):
+    checked(add_object(scale * np.array(corners, float), [range(len(corners))]), faces=1)

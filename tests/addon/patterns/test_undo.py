@@ -8,6 +8,7 @@ import pytest
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.undo_steps import undo_steps
 
 from ..run_commands import step, undo_and_redo
 from ..scenes import furnished, snapshot, sphere
@@ -49,6 +50,29 @@ def test_undo_in_edit_mode(operator):
     assert not bpy.data.collections and not bpy.data.materials and not obj.material_slots
     bpy.ops.object.mode_set(mode="OBJECT")
     assert not [a.name for a in obj.data.attributes if a.name.startswith("synch_")]
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("could_redo", [False, True])
+def test_undo_takes_back_what_was_written_without_a_step(could_redo):
+    """Else the object, which is the same in both steps, keeps a modifier that points to its surface, which is gone."""
+    obj = sphere(1)
+    bpy.ops.ed.undo_push(message="add")
+    before = everything()
+    if could_redo:
+        obj.location.x = 1.0
+        bpy.ops.ed.undo_push(message="move")
+        bpy.ops.ed.undo()
+    api.stripes(bpy.context.object, spacing=0.5)
+    undo_steps.owe("Stripes")
+    assert not bpy.ops.ed.redo.poll()  # after any change, the other future is gone
+    bpy.context.view_layer.update()
+    after = everything()
+    assert len(after["objects"]) > len(before["objects"])
+    bpy.ops.ed.undo()
+    assert everything() == before and not bpy.context.object.modifiers
+    bpy.ops.ed.redo()
+    assert everything() == after
 
 
 def test_undo_of_a_second_run_restores_the_first():

@@ -215,9 +215,9 @@ def _chain(
         return None
     path, cuts = found
     steps = np.linalg.norm(np.diff(quads.vertices[path], axis=0), axis=1)
-    inner = _spread_evenly(ways[path[1:-1]], length, steps)
     if not length / LENGTH_RATIO < steps.sum() < length * LENGTH_RATIO or (closed and len(steps) < 3):
         return None
+    inner = _spread_evenly(ways[path[1:-1]], length, steps)
     return (path[:-1], (begin + np.append(0, inner)) % length, cuts) if closed else (path[1:-1], inner, cuts)
 
 
