@@ -74,6 +74,7 @@ class Monitor:
         self._start, self._share = 0.0, 1.0
         self.on_found: Callable[[float, np.ndarray], object] | None = None
         self._awaited: list[tuple[Running[bool], Callable[[bool], None]]] = []
+        self._shown = [0.0]  # shared by all that are derived from it
 
     def portion(self, start: float, share: float) -> "Monitor":
         """Derive a monitor for one part of the work."""
@@ -120,7 +121,8 @@ class Monitor:
     def check(self) -> None:
         """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
         if self._callback is not None:
-            answer = self._callback(self._describe_stage(), self.fraction)
+            self._shown[0] = max(self._shown[0], self.fraction)  # what runs beside may be further
+            answer = self._callback(self._describe_stage(), self._shown[0])
             if answer is not None and not answer:
                 raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:
