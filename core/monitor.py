@@ -5,7 +5,8 @@ import math
 import time
 from collections.abc import Callable
 from copy import copy
-from typing import TypeVar
+from functools import partial
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -22,6 +23,32 @@ Result = TypeVar("Result")
 
 class OutOfTime(Exception):
     """The time limit has passed; the best result so far can be used."""
+
+
+class Running(Generic[Result]):
+    """Work in its own thread, which is abandoned when the computation has to stop."""
+
+    def __init__(self, work: Callable[[], Result]) -> None:
+        self._results: list[Result] = []
+        self._errors: list[BaseException] = []
+        self._thread = start_thread(self._run, work)
+
+    def _run(self, work: Callable[[], Result]) -> None:
+        try:
+            self._results.append(work())
+        except BaseException as error:  # raised again by the thread that asks for the result
+            self._errors.append(error)
+
+    def wait(self, seconds: float) -> bool:
+        """Wait at most so long for the end of the work, and tell whether it has ended."""
+        self._thread.join(seconds)
+        return not self._thread.is_alive()
+
+    def result(self) -> Result:
+        """Return the result of work that has ended, or raise its error."""
+        for error in self._errors:
+            raise error
+        return self._results[0]
 
 
 class Monitor:
@@ -46,6 +73,8 @@ class Monitor:
         self._expected, self._note = -math.inf, ""
         self._start, self._share = 0.0, 1.0
         self.on_found: Callable[[float, np.ndarray], object] | None = None
+        self._awaited: list[tuple[Running[bool], Callable[[bool], None]]] = []
+        self._shown = [0.0]  # shared by all that are derived from it
 
     def portion(self, start: float, share: float) -> "Monitor":
         """Derive a monitor for one part of the work."""
@@ -58,6 +87,12 @@ class Monitor:
         quiet = copy(self)
         quiet.on_found = None
         return quiet
+
+    def awaiting(self, running: Running[bool], react: Callable[["Monitor", bool], None]) -> "Monitor":
+        """Derive a monitor whose next check after the end of running work calls ``react(monitor, result)``, once."""
+        derived = copy(self)
+        derived._awaited = [(running, partial(react, derived))]
+        return derived
 
     def at(self, stage: str, fraction: float) -> None:
         """Enter a stage at a fraction of the whole work, 0..1."""
@@ -86,11 +121,15 @@ class Monitor:
     def check(self) -> None:
         """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
         if self._callback is not None:
-            answer = self._callback(self._describe_stage(), self.fraction)
+            self._shown[0] = max(self._shown[0], self.fraction)  # what runs beside may be further
+            answer = self._callback(self._describe_stage(), self._shown[0])
             if answer is not None and not answer:
                 raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:
             raise OutOfTime
+        if self._awaited and self._awaited[0][0].wait(0):
+            running, react = self._awaited.pop()
+            react(running.result())
 
     def during(self, work: Callable[[], Result]) -> Result:
         """Run ``work()``, which cannot be interrupted, in a thread that is abandoned when the computation has to stop.
@@ -99,22 +138,13 @@ class Monitor:
         """
         if self._callback is None and self._deadline is None:
             return work()
-        results: list[Result] = []
-        errors: list[BaseException] = []
+        return self.wait_for(Running(work))
 
-        def run() -> None:
-            try:
-                results.append(work())
-            except BaseException as error:  # raised again by the caller's thread
-                errors.append(error)
-
-        thread = start_thread(run)
-        while thread.is_alive():
-            thread.join(POLL_SECONDS)
+    def wait_for(self, running: Running[Result]) -> Result:
+        """Return the result of running work; a check that stops the computation abandons it."""
+        while not running.wait(POLL_SECONDS):
             self.check()
-        for error in errors:
-            raise error
-        return results[0]
+        return running.result()
 
 
 SILENT = Monitor()

@@ -3,9 +3,8 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -16,30 +15,28 @@ from ..monitor import Callback, Monitor, OutOfTime
 from ..piece import Piece
 from ..pieces import Pieces
 from ..problem import SynchronizationProblem
-from ..solution import COARSE, DESCENT, FIRST, GLANCE, Certificate, Clock, Options, Solution, Status, relative_gap
+from ..solution import COARSE, DESCENT, FIRST, GLANCE, Certificate, Clock, Options, Solution, Status
 from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.diffusion import diffuse
-from .methods.initial_field import descend_from, first_field, search_after_relaxation, search_without_relaxation
+from .methods.initial_field import descend_from, first_field, search_without_relaxation
 from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import check_problem_memory
 from .methods.spectral import smallest_eigenpair
-from .methods.stage import Stage, Workspace
-from .methods.staircase import MAX_RANK, Relaxation, relax, start_rank
+from .methods.stage import Workspace
+from .methods.staircase import start_rank
 from .options_check import check_options
+from .semidefinite import prepare_search, solve_semidefinite
+from .task import Task, Watch, finish_piece, rescale
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
 # Share of the curl that is removed from the problem on which most of the search for phases is made.
 CURL_SHARE = 0.1
-# A rounded relaxation with at most this gap counts as an exact recovery, which descent completes.
-NEARLY_TIGHT = 0.05
 # How many times as long as a first field a bound takes, about (measured in bench/README.md).
 PROOF_IN_FIRSTS = 3.0
-# Returns what :func:`_prepare_search` does.
-_Prepared: TypeAlias = Callable[[], csr_matrix | None]
 
 
 def solve(
@@ -96,7 +93,7 @@ def _solve(
         watches = _show_first_fields(problem, options, monitor, clock, begin, results, left, show)
     for number in left.tolist():
         share = pieces.sizes[number] / work
-        task = _Task(pieces[number], options, monitor.portion(done, share), clock, begin.on(pieces[number]))
+        task = Task(pieces[number], options, monitor.portion(done, share), clock, begin.on(pieces[number]))
         matrix = partial(less_curl.matrix, number)
         results.append(_solve_piece(replace(task, less_curl=matrix, watch=watches.get(number))))
         done += share
@@ -112,10 +109,10 @@ def _show_first_fields(
     results: list[PartResult],
     left: np.ndarray,
     show: Callable[[Solution], object],
-) -> dict[int, "_Watch"]:
-    """Show a first field; returns the :class:`_Watch` that shows better ones of each piece that is left."""
+) -> dict[int, "Watch"]:
+    """Show a first field; returns the :class:`Watch` that shows better ones of each piece that is left."""
     done = tuple(results)
-    watches: dict[int, _Watch] = {}
+    watches: dict[int, Watch] = {}
 
     def show_all() -> None:
         parts = [watch.part for watch in watches.values()]
@@ -124,38 +121,11 @@ def _show_first_fields(
     first = replace(options, method=FIRST)
     for number in left.tolist():
         piece, start = problem.pieces[number], time.perf_counter()
-        part = _solve_piece(_Task(piece, first, monitor.portion(0.0, 0.0), clock, begin.on(piece)))
-        watches[number] = _Watch(part, show_all, PROOF_IN_FIRSTS * (time.perf_counter() - start))
+        part = _solve_piece(Task(piece, first, monitor.portion(0.0, 0.0), clock, begin.on(piece)))
+        watches[number] = Watch(part, show_all, PROOF_IN_FIRSTS * (time.perf_counter() - start))
     if len(left):
         show_all()
     return watches
-
-
-class _Watch:
-    """Shows the fields of a piece before its end.
-
-    Attributes
-    ----------
-    part : PartResult that is shown, at the piece's own scale
-    proof_in : seconds after which a bound may be expected
-    """
-
-    def __init__(self, part: PartResult, show_all: Callable[[], None], proof_in: float) -> None:
-        self.part, self.proof_in, self._show_all = part, proof_in, show_all
-        self._energy = np.inf
-
-    def proved(self, piece: Piece, weight: float, **quality: Any) -> None:
-        """Show the field of a scaled piece with the bound that was found."""
-        self._energy = float(piece.energy(self.part.fields)[0])
-        self.part = _rescale(_finish_piece(piece, self.part.fields, **quality), weight)
-        self._show_all()
-
-    def found(self, piece: Piece, energy: float, column: np.ndarray) -> None:
-        """Show an (N * width, 1) field of a scaled piece where its energy is lower."""
-        if energy < self._energy:
-            self._energy = energy
-            self.part = replace(self.part, fields=_finish_piece(piece, column).fields)
-            self._show_all()
 
 
 class _LessCurl:
@@ -177,27 +147,7 @@ class _LessCurl:
         return None if self._pieces is None else self._pieces[number].matrix / weight
 
 
-@dataclass(frozen=True)
-class _Task:
-    """A piece with all that its solve needs.
-
-    Attributes
-    ----------
-    weight : the ratio of energies to those of the scaled piece
-    less_curl : returns the matrix with less curl, divided by a weight, or None without curl to remove
-    """
-
-    piece: Piece
-    options: Options
-    monitor: Monitor
-    clock: Clock
-    start: Start
-    less_curl: Callable[[float], csr_matrix | None] | None = None
-    watch: _Watch | None = None
-    weight: float = 1.0
-
-
-def _solve_piece(task: _Task) -> PartResult:
+def _solve_piece(task: Task) -> PartResult:
     """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
     if task.piece.total_weight == 0:  # nothing is asked
         return _without_search(task, Status.CERTIFIED if task.options.method == "sdp" else Status.UNCERTIFIED)
@@ -207,21 +157,17 @@ def _solve_piece(task: _Task) -> PartResult:
         result = _solve_by_method(task)
     except OutOfTime:
         result = _without_search(task, Status.TIME_LIMIT)
-    return _rescale(result, weight)
+    return rescale(result, weight)
 
 
-def _rescale(result: PartResult, weight: float) -> PartResult:
-    return replace(result, **{n: weight * getattr(result, n) for n in ("bound", "sdp_value", "spectral_bound")})
-
-
-def _without_search(task: _Task, status: Status) -> PartResult:
+def _without_search(task: Task, status: Status) -> PartResult:
     """The start, or equal phases, and zero as the bound, which proves something only where nothing is asked."""
     piece, column = task.piece, task.start.column
     if column is None:
         column = np.zeros((piece.matrix.shape[0] * piece.width, 1), piece.matrix.dtype)
     column = fields_of(piece).normalize(column)
     lifted = column.reshape(-1, piece.width)
-    return _finish_piece(
+    return finish_piece(
         piece,
         column,
         sdp_value=float(piece.energy(column)[0]),
@@ -232,7 +178,7 @@ def _without_search(task: _Task, status: Status) -> PartResult:
     )
 
 
-def _solve_by_method(task: _Task) -> PartResult:
+def _solve_by_method(task: Task) -> PartResult:
     method = task.options.method
     if method == "spectral":
         return _solve_spectral(task)
@@ -245,21 +191,16 @@ def _solve_by_method(task: _Task) -> PartResult:
         return _solve_descent(task, workspace)
     if method in (FIRST, GLANCE, COARSE):
         return _solve_first(task, workspace)
-    with beside(partial(_prepare_search, task, workspace.stages[0])) as prepared:
-        return _solve_sdp(task, workspace, prepared)
-
-
-def _finish_piece(piece: Piece, columns: np.ndarray, **quality: Any) -> PartResult:
-    fields = fields_of(piece).normalize(columns.astype(piece.matrix.dtype))
-    return PartResult(piece.rows, piece.node_count, rounding.ground_to_one(piece, fields), **quality)
+    with beside(partial(prepare_search, task, workspace.stages[0])) as prepared:
+        return solve_semidefinite(task, workspace, prepared)
 
 
 def _finish_spectral(piece: Piece, columns: np.ndarray, bound: float) -> PartResult:
     quality = {"certificate": Certificate.ESTIMATED, "status": Status.UNCERTIFIED}
-    return _finish_piece(piece, columns, bound=bound, spectral_bound=bound, **quality)
+    return finish_piece(piece, columns, bound=bound, spectral_bound=bound, **quality)
 
 
-def _solve_spectral(task: _Task) -> PartResult:
+def _solve_spectral(task: Task) -> PartResult:
     piece, monitor = task.piece, task.monitor
     with task.clock("relax"):
         monitor.at("spectral relaxation", 0.0)
@@ -267,7 +208,7 @@ def _solve_spectral(task: _Task) -> PartResult:
     return _finish_spectral(piece, vector[:, None], eigenvalue * piece.total_mass)
 
 
-def _solve_diffusion(task: _Task, workspace: Workspace) -> PartResult:
+def _solve_diffusion(task: Task, workspace: Workspace) -> PartResult:
     """MBO from random starts with falling times, the best polished: the strongest baseline."""
     piece, stage, monitor, seed = task.piece, workspace.stages[0], task.monitor, task.options.seed
     random = np.random.default_rng(seed)
@@ -286,7 +227,7 @@ def _solve_diffusion(task: _Task, workspace: Workspace) -> PartResult:
     return _finish_spectral(piece, columns, eigenvalue * piece.total_mass)
 
 
-def _solve_descent(task: _Task, workspace: Workspace) -> PartResult:
+def _solve_descent(task: Task, workspace: Workspace) -> PartResult:
     """The local optimum that descent from the start reaches."""
     piece, monitor, start = task.piece, task.monitor, task.start.column
     assert start is not None  # options_check.py refuses the method without one
@@ -295,10 +236,10 @@ def _solve_descent(task: _Task, workspace: Workspace) -> PartResult:
         density = float(piece.energy(start)[0]) / piece.total_mass
         metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.CANDIDATE_SHIFT * density))
         column = rounding.finish(workspace, start, metric, monitor)
-    return _finish_piece(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
+    return finish_piece(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
-def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
+def _solve_first(task: Task, workspace: Workspace) -> PartResult:
     """The start, with COARSE after descent; without one the first field, or that of a search on a coarse stage."""
     options, monitor, timed_out = task.options, task.monitor, False
     with task.clock("first"):
@@ -313,83 +254,4 @@ def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
         else:
             column, timed_out = search_without_relaxation(workspace, rank, options.seed, options.samples, monitor)
     status = Status.TIME_LIMIT if timed_out else Status.UNCERTIFIED
-    return _finish_piece(task.piece, column, certificate=Certificate.NONE, status=status)
-
-
-def _prepare_search(task: _Task, stage: Stage) -> csr_matrix | None:
-    """Build what the search for phases needs besides the relaxation; returns the matrix with less curl, or None."""
-    if task.options.rounding != "continuation" or task.start.column is not None:
-        return None
-    stage.prepare_candidates()
-    return None if task.less_curl is None else task.less_curl(task.weight)
-
-
-def _solve_sdp(task: _Task, workspace: Workspace, prepared: _Prepared) -> PartResult:
-    """Relax, certify and round."""
-    piece, monitor, watch = task.piece, task.monitor, task.watch
-    monitor.expect(0.0 if watch is None else watch.proof_in)
-    monitor.at("relaxation", 0.0)
-    relaxation = relax(workspace, task.options, monitor, task.clock, task.start.lifted)
-    monitor.proved(relaxation.lower_bound)
-    if relaxation.reached:
-        status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
-    else:
-        status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
-    quality = {
-        "bound": relaxation.lower_bound,
-        "sdp_value": relaxation.value,
-        "certificate": relaxation.certificate,
-        "lifted": relaxation.lifted,
-        "singular_values": relaxation.singular_values,
-        "iterations": relaxation.steps,
-        "products": relaxation.products,
-    }
-    if watch is not None:
-        watch.proved(piece, task.weight, status=status, **quality)
-        monitor.on_found = partial(watch.found, piece)
-    with task.clock("round"):
-        columns, timed_out = _round(task, workspace, relaxation, prepared)
-    if relaxation.out_of_time or timed_out:
-        status = Status.TIME_LIMIT
-    result = _finish_piece(piece, columns, status=status, **quality)
-    # Phases of less energy, which a tight relaxation may round to, are a better point of it.
-    return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
-
-
-def _round(task: _Task, workspace: Workspace, relaxation: Relaxation, prepared: _Prepared) -> tuple[np.ndarray, bool]:
-    """Candidates as columns, best first, and whether time ran out before they were finished."""
-    piece, options, monitor = task.piece, task.options, task.monitor
-    stage, lifted = workspace.stages[0], relaxation.lifted
-    start = None if options.rounding in ("svd", "random") else task.start.column
-    leading = lifted[:, : piece.width].reshape(-1, 1)
-    columns = by_svd = stage.candidates.normalize(leading) if start is None else start
-    if options.rounding == "svd" or relaxation.out_of_time:
-        return by_svd, relaxation.out_of_time
-    random = np.random.default_rng(options.seed + 1)
-    density = relaxation.value / piece.total_mass
-    try:
-        if options.rounding in ("random", "polish") and start is None:
-            sizes = lifted.shape[1], options.samples
-            directions = rounding.random_directions(piece.is_complex, *sizes, random, piece.width)
-            columns = rounding.projections(stage, lifted, directions, rounding.ALONE.kept, monitor).astype(lifted.dtype)
-            if options.rounding == "random":
-                return columns, False
-        if options.rounds_coarsely and start is None:
-            return search_after_relaxation(workspace, lifted, options, random, monitor)
-        if options.rounding == "continuation" and start is None:
-            monitor.at("continuation", 0.4)
-            energy = float(piece.energy(by_svd)[0])
-            if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
-                less_curl = monitor.during(prepared)
-                columns, timed_out = rounding.continuation(
-                    stage, lifted, options.samples, density, random, monitor, less_curl, relaxation.metric
-                )
-                if timed_out:
-                    return columns, True
-        monitor.at("polish", 0.9)
-        metric = stage.candidate_metric(rounding.CANDIDATE_SHIFT * density)
-        finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
-        columns = np.hstack([finished, columns[:, 1:]])
-    except OutOfTime:
-        return columns, True
-    return columns, False
+    return finish_piece(task.piece, column, certificate=Certificate.NONE, status=status)

@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 
 from ...algebra.metric import Metric
 from ...algebra.workers import pool, share_out
+from ...memory import room
 from ...monitor import Monitor, OutOfTime
 from ...piece import Piece
 from .descent import descend
@@ -48,8 +49,10 @@ CURL_TOLERANCE, CURL_STEPS = 1e-5, 8
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 15, 200
 FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
-# Numbers in memory at once, and columns of a batch at least: memory, and how soon a solve can be stopped.
+# Numbers in memory at once, and columns of a batch at least: memory, and how soon a solve can be stopped. More cores
+# work at once where their batches, so many arrays for each, take at most this share of the memory.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
+ARRAYS, SHARE_OF_MEMORY = 20, 1 / 8
 # Columns of a batch, with which one core takes 4 % longer than with all at once, and numbers for which another thread
 # pays. Both hold for any number of threads, since rounding errors depend on the batches.
 SHARED_BATCH, WORTH_SHARING = 10, 60_000
@@ -160,7 +163,9 @@ def _in_batches(
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
     fewest = min(size * count // WORTH_SHARING, 2 * -(-count // (2 * SHARED_BATCH)))  # even, for two cores
     batches = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
-    at_once = max(MOST_AT_ONCE // (size * batches[0].shape[-1]), 2)
+    numbers = size * batches[0].shape[-1]
+    fitting = SHARE_OF_MEMORY * room().usable / (ARRAYS * stage.matrix.dtype.itemsize * numbers)
+    at_once = max(MOST_AT_ONCE // numbers, int(min(fitting, len(batches))), 2)
     return np.concatenate(share_out(work, batches, monitor, at_once), axis=-1)
 
 

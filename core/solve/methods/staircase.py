@@ -7,19 +7,23 @@ slack as a new column and go on. The target is the certified gap, never the grad
 rounding.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
 from ...algebra.metric import Metric
-from ...monitor import Monitor, OutOfTime
+from ...memory import room
+from ...monitor import Monitor, OutOfTime, Running
 from ...piece import Piece
 from ...solution import Certificate, Clock, Options
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
 from .descent import Descent, Matrix, Memory, descend, rounding_noise
 from .initial_field import coarse_field
 from .manifolds import principal
+from .memory_estimate import proof_bytes, search_bytes
 from .stage import Workspace
 
 # The constants were chosen by the number of products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
@@ -73,15 +77,25 @@ class Relaxation:
     metric: Metric | None
 
 
+# Called during a proof, with the result of the relaxation if the proof succeeds.
+Meanwhile: TypeAlias = Callable[[Relaxation, Running[bool]], None]
+
+
 def relax(
-    workspace: Workspace, options: Options, monitor: Monitor, clock: Clock, start: np.ndarray | None = None
+    workspace: Workspace,
+    options: Options,
+    monitor: Monitor,
+    clock: Clock,
+    start: np.ndarray | None = None,
+    meanwhile: Meanwhile | None = None,
 ) -> Relaxation:
     """Solve the relaxation of a piece to a certified relative gap (Algorithm 1).
 
     It starts from an (N, r) lifted field, or from one of the coarser stages. The clock gets the seconds under "relax"
-    and "certify". Of the options, gap, seed and ``long_proofs`` are used.
+    and "certify". Of the options, gap, seed and ``long_proofs`` are used. Given ``meanwhile``, proofs to the target gap
+    run beside it, in their own thread, if there is memory for both.
     """
-    search = _Search(workspace, options, monitor, clock, start)
+    search = _Search(workspace, options, monitor, clock, start, meanwhile)
     try:
         for attempt in range(ATTEMPTS):
             search.descend(search.first_tolerance * TIGHTENING**attempt)
@@ -110,9 +124,15 @@ class _Search:
     """
 
     def __init__(
-        self, workspace: Workspace, options: Options, monitor: Monitor, clock: Clock, start: np.ndarray | None
+        self,
+        workspace: Workspace,
+        options: Options,
+        monitor: Monitor,
+        clock: Clock,
+        start: np.ndarray | None,
+        meanwhile: Meanwhile | None,
     ) -> None:
-        self._workspace, self._monitor, self._clock = workspace, monitor, clock
+        self._workspace, self._monitor, self._clock, self._meanwhile = workspace, monitor, clock, meanwhile
         target_gap = self._target_gap = options.target_gap
         self._random = np.random.default_rng(options.seed)
         piece, stage = workspace.piece, workspace.stages[0]
@@ -126,6 +146,7 @@ class _Search:
             self._shift = stage.shift_at(self.point)
         self.bound, self.certificate = 0.0, Certificate.PROVED
         self.reached = self.out_of_time = False
+        self._foreseen: Relaxation | None = None
         self._steps = self._products = 0
         self._needs_double = False
         self._memory: Memory = []
@@ -177,12 +198,12 @@ class _Search:
             # Zero is a bound: L is positive semidefinite.
             self.reached = float(piece.energy(self.point).sum()) <= piece.perfect
             return
+        allowed = self._depth_at(AIMED_AT * self._target_gap)
+        if self._is_provable:
+            self.reached = self._prove(allowed, self._meanwhile)
+            if self.reached or is_first:
+                return
         with self._clock("certify"):
-            allowed = self._depth_at(AIMED_AT * self._target_gap)
-            if self._is_provable:
-                self.reached = self._prove(allowed)
-                if self.reached or is_first:
-                    return
             assert self._metric is not None  # there was a descent
             enough = -np.inf if self._is_provable else allowed
             state = self._shift, self._metric, self.point, self._duals
@@ -202,14 +223,13 @@ class _Search:
         if self.value - self.bound <= target + noise:
             self.reached = True
         elif self._is_provable:
-            with self._clock("certify"):
-                self.reached = self._prove(self._depth_to(self.value - target - noise))
-                if self.reached:
+            self.reached = self._prove(self._depth_to(self.value - target - noise))
+            if self.reached:
+                return
+            weaker = 10.0 ** np.arange(1, 1 + int(np.log10(WEAKEST_GAP / self._target_gap)))
+            for gap in self._target_gap * weaker:
+                if self._prove(self._depth_at(gap)):
                     return
-                weaker = 10.0 ** np.arange(1, 1 + int(np.log10(WEAKEST_GAP / self._target_gap)))
-                for gap in self._target_gap * weaker:
-                    if self._prove(self._depth_at(gap)):
-                        return
 
     def _depth_at(self, gap: float) -> float:
         """The depth of the slack below zero at which the bound has a relative gap from the value."""
@@ -218,15 +238,33 @@ class _Search:
     def _depth_to(self, bound: float) -> float:
         return depth_for_bound(self._workspace.piece, self._shift, self._duals, bound)
 
-    def _prove(self, depth: float) -> bool:
+    def _prove(self, depth: float, meanwhile: Meanwhile | None = None) -> bool:
         """Whether the bound of a depth can be proved; it then becomes the bound."""
-        piece = self._workspace.piece
-        if self._width is None or not self._monitor.during(
-            partial(prove, piece, self._shift, self._duals, depth, self._width)
-        ):
+        if self._width is None:
             return False
-        self.bound, self.certificate = lower_bound(piece, self._shift, self._duals, depth), Certificate.PROVED
-        return True
+        piece = self._workspace.piece
+        proof = partial(prove, piece, self._shift, self._duals, depth, self._width)
+        bound = lower_bound(piece, self._shift, self._duals, depth)
+        if meanwhile is None or not self._has_room_for_both(self._width):
+            with self._clock("certify"):
+                is_proved = self._monitor.during(proof)
+        else:
+            running = Running(proof)
+            foreseen = replace(self.result(), lower_bound=bound, certificate=Certificate.PROVED, reached=True)
+            meanwhile(foreseen, running)
+            with self._clock("certify"):
+                is_proved = self._monitor.wait_for(running)
+            self._foreseen = foreseen if is_proved else None
+        if is_proved:
+            self.bound, self.certificate = bound, Certificate.PROVED
+        return is_proved
+
+    def _has_room_for_both(self, width: int) -> bool:
+        """Whether there is memory for a proof and the search for phases at the same time."""
+        piece = self._workspace.piece
+        rows, entries = piece.matrix.shape[0], piece.matrix.nnz
+        both = search_bytes(rows, entries, piece.is_complex) + proof_bytes(rows, width, piece.is_complex)
+        return both <= room().usable
 
     def _add_columns(self, directions: np.ndarray) -> None:
         """Add negative directions of the slack as columns, as far as they lower the energy most."""
@@ -245,7 +283,9 @@ class _Search:
         self.point, self._memory = best, []
 
     def result(self) -> Relaxation:
-        """The :class:`Relaxation` at the point, in principal columns."""
+        """The :class:`Relaxation` at the point, in principal columns; the one foreseen, where it came true."""
+        if self._foreseen is not None:
+            return self._foreseen
         point, singular_values = principal(self.point, self._workspace.piece.reductions)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
         return Relaxation(

@@ -14,13 +14,13 @@ from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.monitor import SILENT, Monitor, OutOfTime
 from synch_fields.core.solution import Clock
-from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.methods import rounding
+from synch_fields.core.solve import Certificate, Options, Status, solve
+from synch_fields.core.solve.methods import rounding, staircase
 from synch_fields.core.solve.methods.stage import Workspace
 from synch_fields.core.solve.methods.staircase import relax
 
 from ..graphs import only_piece
-from ..meshes import bumpy_torus
+from ..meshes import bumpy_torus, icosphere
 
 
 @pytest.fixture(params=[1, 2, 5])
@@ -147,9 +147,56 @@ def test_a_solve_has_the_same_result_to_the_last_bit_on_any_number_of_cores(monk
         assert (other.energy, other.lower_bound) == (results[0].energy, results[0].lower_bound)
 
 
+@pytest.mark.parametrize("moment", ["at once", "after the search"])
+def test_a_proof_that_fails_beside_the_search_changes_nothing(monkeypatch, moment):
+    found, prove, finish = [], staircase.prove, rounding.finish
+    for cores in (1, 2):
+        proofs, is_finished = [], threading.Event()
+
+        def refute_first(*arguments, cores=cores, proofs=proofs, is_finished=is_finished):
+            proofs.append(arguments)
+            if cores > 1 and moment == "after the search":
+                assert is_finished.wait(60)
+            return len(proofs) > 1 and prove(*arguments)
+
+        def tell(*arguments, is_finished=is_finished):
+            column = finish(*arguments)
+            is_finished.set()
+            return column
+
+        monkeypatch.setattr(workers, "WORKERS", cores)
+        monkeypatch.setattr(staircase, "prove", refute_first)
+        monkeypatch.setattr(rounding, "finish", tell)
+        found.append(solve(direction_problem(bumpy_torus(14), 4), Options(seed=3)))
+        assert len(proofs) == 2
+    one, two = found
+    np.testing.assert_array_equal(one.phases, two.phases)
+    assert (one.energy, one.lower_bound) == (two.energy, two.lower_bound)
+    assert one.status is two.status is Status.CERTIFIED
+
+
+def test_a_search_shows_its_fields_before_the_bound_is_proved(monkeypatch):
+    shown, is_shown, prove = [], threading.Event(), staircase.prove
+
+    def prove_late(*arguments):
+        assert is_shown.wait(60)
+        return prove(*arguments)
+
+    def show(solution):
+        shown.append(solution)
+        if len(shown) > 1:
+            is_shown.set()
+
+    monkeypatch.setattr(workers, "WORKERS", 2)
+    monkeypatch.setattr(staircase, "prove", prove_late)
+    found = solve(direction_problem(icosphere(4), 4), show=show)
+    assert [one.lower_bound for one in shown[:2]] == [0, 0] and shown[1].energy < shown[0].energy
+    assert shown[-1].lower_bound == pytest.approx(found.lower_bound) and found.certificate is Certificate.PROVED
+
+
 @pytest.mark.parametrize("end", ["found", "cancelled between parts"])
 def test_no_thread_outlives_the_solve_that_it_works_for(monkeypatch, end):
-    """Blender allows threads only where they are joined before its own goes on."""
+    """Blender allows threads only where they are joined before its own goes on; a factorization ends by itself."""
     monkeypatch.setattr(workers, "WORKERS", 2)
     monkeypatch.setattr(products, "WORTH_SHARING", 1)
     monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
@@ -165,7 +212,11 @@ def test_no_thread_outlives_the_solve_that_it_works_for(monkeypatch, end):
     except Cancelled:
         assert end != "found"
     assert any(thread.name.startswith("synch_fields") for thread in seen)
-    assert set(threading.enumerate()) - before == set()
+    left = set(threading.enumerate()) - before
+    assert not [thread for thread in left if thread.name.startswith("synch_fields")]
+    for thread in left:
+        thread.join(60)
+    assert set(threading.enumerate()) - before == set() and (end != "found" or not left)
 
 
 def test_a_pool_serves_several_solves_and_ends_with_the_last(monkeypatch):

@@ -3,6 +3,7 @@
 """From the relaxation to phases: diffusion against exact solves, crossings of known halves, variations in order."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -171,6 +172,19 @@ def test_every_batch_of_projections_asks_the_monitor(monkeypatch):
     monitor = Monitor(lambda stage, fraction: asked.append(stage))
     rounding.projections(workspace.stages[0], lifted, directions, 8, monitor)
     assert len(asked) == 40 / 4 + 8 / 4
+
+
+@pytest.mark.parametrize(("usable", "wanted"), [(2**33, 4), (2**20, 2), (np.inf, 4)])
+def test_as_many_cores_work_at_once_as_fit_into_memory(monkeypatch, usable, wanted):
+    monkeypatch.setattr(workers, "WORKERS", 8)
+    monkeypatch.setattr(rounding, "room", lambda: SimpleNamespace(usable=usable))
+    asked, share_out = [], rounding.share_out
+    monkeypatch.setattr(rounding, "share_out", lambda *arguments: asked.append(arguments[-1]) or share_out(*arguments))
+    stage = SimpleNamespace(matrix=SimpleNamespace(shape=(36_000, 36_000), dtype=np.dtype(np.complex64)), width=1)
+    columns = np.arange(38)
+    made = rounding._in_batches(stage, lambda batch, monitor: 2 * batch, columns, SILENT)
+    np.testing.assert_array_equal(made, 2 * columns)
+    assert asked == [wanted]
 
 
 def test_the_best_of_all_pairs_come_back_in_order(monkeypatch):
