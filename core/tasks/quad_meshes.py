@@ -36,6 +36,8 @@ MOST_CHANGE = 16.0
 CORRECTIONS = 3
 # Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
 FEW = 300
+# So many times as many faces show that most phases do not fit the surface, such as that of a spike between tiny faces.
+SPOILT = 2
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # Share of the length of boundaries and sharp edges beyond whose loss a mesh is solved again, and that part of the work.
@@ -140,9 +142,12 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         try:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
-            if count < FEW:  # refuses what is too large for a mesh before more work goes into it
-                request.trace(drafts[-1].result.pattern)
-            if drafts[-1].misses(wanted) <= NEAR:
+            # Refuses what is too large for a mesh before more work goes into it.
+            traced = len(request.trace(drafts[-1].result.pattern)[0].sizes) if count < FEW else 0
+            if traced > SPOILT * FEW:
+                drafts.pop()
+                count = traced
+            elif drafts[-1].misses(wanted) <= NEAR:
                 found.append(_finish(_close(_settle(drafts.pop()), part), part))
                 if abs(_face_count(found[-1]) / faces - 1) <= NEAR:
                     return found[-1]

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
+from synch_fields.core.tasks import surfaces
 from synch_fields.synch_addon import api
 
-from ..scenes import add_object, attribute, make_active, sphere, tube
+from ..scenes import add_object, attribute, grid, make_active, sphere, tube
 
 SHAPES = {
     "grid": lambda n: bpy.ops.mesh.primitive_grid_add(x_subdivisions=1 + n, y_subdivisions=2),
@@ -127,3 +128,13 @@ def test_pieces_that_are_too_small_are_told():
 )
 def test_one_face_of_corners_that_coincide_or_leave_its_plane(corners, scale):
     checked(add_object(scale * np.array(corners, float), [range(len(corners))]), faces=1)
+
+
+def test_a_spike_among_tiny_faces_is_not_cut_into_thousands_of_quads(monkeypatch):
+    sizes, finish = [], surfaces.finish_quads
+    monkeypatch.setattr(
+        surfaces, "finish_quads", lambda quads, *rest: sizes.append(len(quads.sizes)) or finish(quads, *rest)
+    )
+    obj = grid(7, 7)
+    obj.data.vertices[37].co = (-8e5, 0, -8e5)
+    assert checked(obj, faces=12) and 0 < max(sizes) < 1000
