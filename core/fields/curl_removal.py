@@ -140,9 +140,9 @@ def varying_part(
     """
     flow = diags_array(_inverse_weights(weights, known)) @ circulation.matrix.T
     laplacian = (circulation.matrix @ flow).tocsr()
-    laplacian *= length**2
-    shift = SHIFT * (circulation.areas + laplacian.diagonal()).max(initial=0.0)
-    smoothing = diags_array(circulation.areas + (shift or 1.0)) + laplacian
+    # Where all changes are known, triangles may have no area.
+    shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
+    smoothing = diags_array(circulation.areas + shift) + length**2 * laplacian
     part: np.ndarray = holonomy - circulation.areas * factorize(smoothing.tocsr(), single=False).solve(holonomy)
     return part
 

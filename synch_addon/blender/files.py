@@ -245,6 +245,12 @@ def is_report(path):
     return Path(path).suffix.lower() == ".json"
 
 
+def _is_blend(path):
+    """Whether a file begins as a .blend does, compressed or not."""
+    with path.open("rb") as file:
+        return file.read(7).startswith((b"BLENDER", b"\x28\xb5\x2f\xfd"))
+
+
 def save_blend(path):
     """Save a copy of the scene as a .blend file, without Blender's backup of an older one; returns its path.
 
@@ -253,7 +259,7 @@ def save_blend(path):
     preferences = bpy.context.preferences.filepaths
     backups, preferences.save_version = preferences.save_version, 0
     try:
-        with write_whole(path) as made:
+        with write_whole(path, _is_blend) as made:
             try:
                 bpy.ops.wm.save_as_mainfile(filepath=str(made), check_existing=False, copy=True)
             except RuntimeError as error:

@@ -182,6 +182,9 @@ class _Live:
 
     def _finish(self, work):
         self._work, job = None, work.job
+        if job.link.present is not None and job.link.present.mode == "EDIT":  # its mesh cannot be read now
+            self._asked_last = None
+            return
         try:
             if work.error is not None:
                 raise work.error

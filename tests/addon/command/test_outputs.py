@@ -8,6 +8,7 @@ A limit on the size of files stands for the full disk: what goes beyond it is re
 import json
 import os
 import re
+import socket
 import struct
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import bpy
 import pytest
 
 import synch_fields
+from synch_fields.core.errors import SynchError
 from synch_fields.core.files.json_text import json_text
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon.blender import files
@@ -289,3 +291,17 @@ def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback
     assert found.returncode == 1 and found.stdout == ""
     lines = found.stderr.splitlines()
     assert len(lines) == 1 and lines[0].startswith(f"synch info: {path}"), found.stderr
+
+
+@pytest.mark.parametrize("kind", ["device", "socket"])
+def test_a_blend_file_replaces_no_device_and_no_socket(tmp_path, monkeypatch, kind):
+    monkeypatch.chdir(tmp_path)  # names of sockets are short
+    path = Path("given.blend")
+    with socket.socket(socket.AF_UNIX) as bound:
+        if kind == "device":
+            path.symlink_to("/dev/null")
+        else:
+            bound.bind(str(path))
+        with pytest.raises(SynchError, match="this is not a file"):
+            files.save_blend(path)
+        assert path.exists() and not path.is_file()

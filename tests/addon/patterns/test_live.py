@@ -380,3 +380,18 @@ def test_a_painted_map_is_followed_on_a_surface_of_its_own(build):
     assert followed() == 1 and live.error == "" and surface_of(obj) == surface != obj
     cosines = np.einsum("ij,ij->i", attribute(surface, "synch_direction"), before)
     np.testing.assert_allclose(np.median(np.abs(cosines)), np.cos(0.1), atol=2e-3)
+
+
+def test_a_result_that_comes_in_edit_mode_is_dropped():
+    obj = striped()
+    before = obj.synch.result
+    obj.synch.angle += np.radians(2)
+    live.step(bpy.context)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for _ in range(500):
+        if live._work is None:
+            break
+        live.step(bpy.context)
+    assert live._work is None and not live.error and obj.synch.result == before
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert followed() > 0 and obj.synch.result != before
