@@ -97,7 +97,7 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surfa
     assert found.quads is not None
     mesh = request.given.mesh
     planes = () if request.mirror_side is None else plane_edges(mesh, request.mirror_planes)
-    side = found.settled["spacing"] / 2
+    side = (found.settled["spacing"] or request.spacing) / 2
     return found, _LostLines(*lost_lines(found.quads, mesh, request.rows, planes), side)
 
 
