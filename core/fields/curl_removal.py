@@ -21,6 +21,7 @@ from numbers import Real
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import SuperLU, cg
 
 from ..algebra.factorization import factorize
@@ -142,9 +143,19 @@ def varying_part(
     laplacian = (circulation.matrix @ flow).tocsr()
     # Where all changes are known, triangles may have no area.
     shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
-    smoothing = diags_array(circulation.areas + shift) + length**2 * laplacian
-    part: np.ndarray = holonomy - circulation.areas * factorize(smoothing.tocsr(), single=False).solve(holonomy)
+    smoothing = (diags_array(circulation.areas + shift) + length**2 * laplacian).tocsr()
+    order = _near_one_another(smoothing)
+    smooth = np.empty_like(holonomy)
+    smooth[order] = factorize(smoothing[order][:, order], single=False).solve(holonomy[order])
+    part: np.ndarray = holonomy - circulation.areas * smooth
     return part
+
+
+def _near_one_another(matrix: csr_matrix) -> np.ndarray:
+    """An order of the sums in which neighbours follow one another: SuperLU orders a matrix much faster from there than
+    from the order of some files."""
+    order: np.ndarray = reverse_cuthill_mckee(matrix, symmetric_mode=True)
+    return order
 
 
 def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
@@ -196,6 +207,7 @@ def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, rough
     rows = np.flatnonzero(wanted)
     if len(rows) == 0:
         return result
+    rows = rows[_near_one_another(matrix[rows][:, rows])]
     matrix, right = matrix[rows][:, rows].tocsr(), right[rows]
     if rough:
         inverse = diags_array(1 / matrix.diagonal())

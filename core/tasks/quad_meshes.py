@@ -42,6 +42,8 @@ SPOILT = 2
 YIELD = 0.97
 # Share of the length of boundaries and sharp edges beyond whose loss a mesh is solved again, and that part of the work.
 LOST, _AGAIN = 0.02, 0.1
+# Sides of quads up to which a line may be lost whatever the directions are: those of noise on scans.
+SHORT = 4.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
 # Shares of the work on a pattern after which its loops are closed, and its quads smoothed.
@@ -68,15 +70,20 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
 
 @dataclass(frozen=True)
 class _LostLines:
-    """(k,) lengths of the boundaries and sharp edges that a quad mesh does not follow, and (l,) of all of them."""
+    """(k,) lengths of the boundaries and sharp edges that a quad mesh does not follow, and (l,) of all of them.
+
+    ``side``: the length of a quad's side.
+    """
 
     lengths: np.ndarray
     all_lengths: np.ndarray
+    side: float
 
     @property
     def share(self) -> float:
-        """Share of the length that is lost."""
-        return float(self.lengths.sum() / self.all_lengths.sum()) if len(self.lengths) else 0.0
+        """Share of the length that is lost with lines that are longer than :data:`SHORT` sides."""
+        lost = self.lengths[self.lengths > SHORT * self.side].sum()
+        return float(lost / self.all_lengths.sum()) if lost > 0 else 0.0
 
 
 def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["SurfaceResult", _LostLines]:
@@ -90,7 +97,8 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surfa
     assert found.quads is not None
     mesh = request.given.mesh
     planes = () if request.mirror_side is None else plane_edges(mesh, request.mirror_planes)
-    return found, _LostLines(*lost_lines(found.quads, mesh, request.rows, planes))
+    side = (found.settled["spacing"] or request.spacing) / 2
+    return found, _LostLines(*lost_lines(found.quads, mesh, request.rows, planes), side)
 
 
 def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":

@@ -222,3 +222,16 @@ def test_corrections_end_where_they_leave_as_many_dislocations(monkeypatch):
     monkeypatch.setattr(quad_meshes, "untangle", lambda pattern, _: tried.append(pattern) or pattern)
     assert asked(icosphere(3)).solve().quads is not None
     assert len(tried) == 1
+
+
+@pytest.mark.parametrize(("length", "solves"), [(0.3, 1), (1.5, 2)])
+def test_only_lines_of_several_quads_that_are_lost_are_solved_for_again(monkeypatch, length, solves):
+    details = []
+    directed = SurfaceRequest.directed
+    monkeypatch.setattr(
+        SurfaceRequest, "directed", lambda self, *rest: details.append(self.detail) or directed(self, *rest)
+    )
+    monkeypatch.setattr(quad_meshes, "lost_lines", lambda *_: (np.full(5, length), np.full(10, length)))
+    found = asked(square(12), spacing=0.5, singularities=None).solve()
+    assert [detail > 0 for detail in details] == [True, False][:solves]
+    assert any("5 of 10 lines" in line for line in found.warnings)
