@@ -388,10 +388,11 @@ def test_a_result_that_comes_in_edit_mode_is_dropped():
     obj.synch.angle += np.radians(2)
     live.step(bpy.context)
     bpy.ops.object.mode_set(mode="EDIT")
-    for _ in range(500):
-        if live._work is None:
-            break
+    assert live._work is not None
+    end = time.monotonic() + 20
+    while live._work is not None and time.monotonic() < end:
         live.step(bpy.context)
+        time.sleep(0.005)
     assert live._work is None and not live.error and obj.synch.result == before
     bpy.ops.object.mode_set(mode="OBJECT")
     assert followed() > 0 and obj.synch.result != before
