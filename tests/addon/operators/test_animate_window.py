@@ -10,6 +10,7 @@ import pytest
 
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.undo_steps import undo_steps
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.jobs.queue import queue
@@ -103,21 +104,23 @@ def test_operator_and_command_line_give_the_same(tmp_path):
 
 
 def test_of_the_jobs_of_one_click_the_last_makes_the_step_for_undo(monkeypatch):
-    pushed = []
-    monkeypatch.setattr(field_operator, "push_undo", lambda message: pushed.append(message))
+    pushed, owed = [], []
+    monkeypatch.setattr(undo_steps, "push", pushed.append)
+    monkeypatch.setattr(undo_steps, "owe", owed.append)
     done, stopped = {"FINISHED"}, {"CANCELLED"}
-    for results, last, steps in (
-        ([done], done, []),
-        ([stopped], stopped, []),
-        ([done, done, done], done, []),
-        ([stopped, done], done, []),
-        ([done, stopped], stopped, ["Stripes"]),
+    for results, last, steps, between in (
+        ([done], done, [], []),
+        ([stopped], stopped, [], []),
+        ([done, done, done], done, [], ["Stripes"] * 2),
+        ([stopped, done], done, [], []),
+        ([done, stopped], stopped, ["Stripes"], ["Stripes"]),
     ):
+        owed.clear()
         click = field_operator.Click()
         for _ in results:
             click.begin()
         ended = [click.end(result, "Stripes") for result in results]
-        assert ended == [*[stopped] * (len(results) - 1), last] and pushed == steps
+        assert ended == [*[stopped] * (len(results) - 1), last] and pushed == steps and owed == between
 
 
 def test_all_objects_of_one_click_share_its_step(monkeypatch):
