@@ -141,7 +141,7 @@ def varying_part(
     """
     flow = diags_array(_inverse_weights(weights, known)) @ circulation.matrix.T
     laplacian = (circulation.matrix @ flow).tocsr()
-    # Where all changes are known, triangles may have no area.
+    # The matrix is definite even where all changes are known and the triangles have no area.
     shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
     smoothing = (diags_array(circulation.areas + shift) + length**2 * laplacian).tocsr()
     order = _near_one_another(smoothing)
@@ -152,8 +152,8 @@ def varying_part(
 
 
 def _near_one_another(matrix: csr_matrix) -> np.ndarray:
-    """An order of the sums in which neighbours follow one another: SuperLU orders a matrix much faster from there than
-    from the order of some files."""
+    """(s,) an order of the rows that puts neighbours near one another: from there SuperLU finds its own order much
+    faster than from that of some files."""
     order: np.ndarray = reverse_cuthill_mckee(matrix, symmetric_mode=True)
     return order
 
@@ -207,12 +207,14 @@ def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, rough
     rows = np.flatnonzero(wanted)
     if len(rows) == 0:
         return result
-    rows = rows[_near_one_another(matrix[rows][:, rows])]
-    matrix, right = matrix[rows][:, rows].tocsr(), right[rows]
+    matrix = matrix[rows][:, rows].tocsr()
     if rough:
         inverse = diags_array(1 / matrix.diagonal())
-        result[rows] = cg(matrix, right, rtol=ROUGH, maxiter=ROUGH_STEPS, M=inverse)[0]
+        result[rows] = cg(matrix, right[rows], rtol=ROUGH, maxiter=ROUGH_STEPS, M=inverse)[0]
         return result
+    order = _near_one_another(matrix)
+    rows, matrix = rows[order], matrix[order][:, order]
+    right = right[rows]
     factors = _factors(matrix)
     for _ in range(SOLVES):
         result[rows] += factors.solve(right - matrix @ result[rows])

@@ -36,13 +36,13 @@ MOST_CHANGE = 16.0
 CORRECTIONS = 3
 # Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
 FEW = 300
-# So many times as many faces show that most phases do not fit the surface, such as that of a spike between tiny faces.
+# A traced mesh with more than this many times FEW faces, where fewer than FEW were expected, is not finished.
 SPOILT = 2
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # Share of the length of boundaries and sharp edges beyond whose loss a mesh is solved again, and that part of the work.
 LOST, _AGAIN = 0.02, 0.1
-# Sides of quads up to which a line may be lost whatever the directions are: those of noise on scans.
+# A mesh is not solved again for lines of at most so many sides of quads: on scans most of these are noise.
 SHORT = 4.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
@@ -150,7 +150,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         try:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
-            # Refuses what is too large for a mesh before more work goes into it.
+            # Tracing raises SettingError if the quads are too large for a mesh, before more work goes into it.
             traced = len(request.trace(drafts[-1].result.pattern)[0].sizes) if count < FEW else 0
             if traced > SPOILT * FEW:
                 drafts.pop()

@@ -11,6 +11,8 @@ from bpy.app.handlers import (
     undo_post,
 )
 
+from .registration import register_handlers
+
 
 class _Changes:
     """How often each mesh, and the shape of each object as its modifiers leave it, has changed, as far as Blender has
@@ -18,20 +20,12 @@ class _Changes:
 
     def __init__(self):
         self._counts, self._steps = {}, 0
-        self._handlers = [(event, self._count) for event in (depsgraph_update_post, frame_change_post)]
-        self._handlers += [(event, self._forget) for event in (load_post, undo_post, redo_post)]
+        self.handlers = [(event, self._count) for event in (depsgraph_update_post, frame_change_post)]
+        self.handlers += [(event, self._forget) for event in (load_post, undo_post, redo_post)]
 
     def state(self, block):
         """What is equal as long as a mesh or an object is the same and its shape has not changed."""
         return block.session_uid, self._steps, self._counts.get(block.session_uid, 0)
-
-    def register(self):
-        for event, handler in self._handlers:
-            event.append(handler)
-
-    def unregister(self):
-        for event, handler in self._handlers:
-            event.remove(handler)
 
     @persistent
     def _count(self, _scene, depsgraph):
@@ -47,4 +41,4 @@ class _Changes:
 
 
 changes = _Changes()
-register, unregister = changes.register, changes.unregister
+register, unregister = register_handlers(*changes.handlers)

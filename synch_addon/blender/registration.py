@@ -41,6 +41,13 @@ def class_steps(*classes):
     return [(partial(bpy.utils.register_class, each), partial(bpy.utils.unregister_class, each)) for each in classes]
 
 
+def register_handlers(*handlers):
+    """The functions that add (list of bpy.app.handlers, function) pairs to these lists and take them out again."""
+    steps = [(partial(event.append, handler), partial(event.remove, handler)) for event, handler in handlers]
+    registration = Registration(*steps)
+    return registration.register, registration.unregister
+
+
 def register_all(classes, *kept):
     """The functions that register classes and take them out again.
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Steps of the user's undo for what is written while no operator of Blender is at work.
+"""Undo steps for results that are written before an operator ends, at which Blender would make a step.
 
-Undo leaves a datablock as it is that is the same in the two steps. Where such a one has come to point to something new
-since the last step, that is gone after the undo, and Blender crashes. So what is written without a step gets its own
-when the user undoes, and is then what is undone; or at once, where nothing could be undone, or something redone.
+Undo does not touch a datablock that is equal in the two steps. If such a datablock was changed after the last step and
+points to a new one, undo removes the new one, the pointer stays, and Blender crashes. So such a result gets a step of
+its own, which the user's next undo takes back. The step is made just before that undo, since most often an operator
+ends earlier and makes one; it is made at once if there is nothing to undo, or something to redo.
 """
 
 from contextlib import nullcontext
@@ -11,13 +12,15 @@ from contextlib import nullcontext
 import bpy
 from bpy.app.handlers import load_post, persistent, undo_pre
 
+from .registration import register_handlers
+
 
 class _UndoSteps:
     """Steps that are recorded now, or owed until another one is."""
 
     def __init__(self):
         self._owed = None
-        self._handlers = (undo_pre, self._pay), (load_post, self._forget)
+        self.handlers = (undo_pre, self._pay), (load_post, self._forget)
 
     def push(self, name):
         """Record all that was written as a step."""
@@ -36,15 +39,6 @@ class _UndoSteps:
         """Owe nothing: Blender is about to record a step."""
         self._owed = None
 
-    def register(self):
-        for event, handler in self._handlers:
-            event.append(handler)
-
-    def unregister(self):
-        for event, handler in self._handlers:
-            event.remove(handler)
-        self.settle()
-
     @persistent
     def _pay(self, *_):
         if self._owed is not None:
@@ -62,4 +56,4 @@ def _window():
 
 
 undo_steps = _UndoSteps()
-register, unregister = undo_steps.register, undo_steps.unregister
+register, unregister = register_handlers(*undo_steps.handlers)
