@@ -32,7 +32,7 @@ def run():
         sys.exit(1)
     _mark_temporary_folder()
     from . import register
-    from .synch_addon.command.interrupts import report_signal
+    from .core.interrupts import report_signal
     from .synch_addon.command.main import main
     from .synch_addon.command.process_exit import leave
 

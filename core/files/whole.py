@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from ..errors import WriteError
+from ..interrupts import raise_interrupts
 from .leftovers import own_name, sweep
 
 # A path as given, the file that it leads to, and the complete one beside it.
@@ -98,7 +99,8 @@ def _opened_pipe(path: Path) -> Iterator[None]:
 
 
 def _take_places(waiting: list[_Waiting]) -> None:
-    """Move complete files to their places, or restore the older ones if that fails."""
+    """Move complete files to their places, or restore the older ones if that fails; none where a signal has come."""
+    raise_interrupts()
     with ExitStack() as undo:
         for number, (path, target, made) in enumerate(waiting, 1):
             try:

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SynchError
+from ...core.interrupts import hold_interrupts
 from ..blender.attributes import read_all
 from ..blender.pattern_surface import surface_modifier, surface_of
 from ..blender.transaction import only_for_now
@@ -48,7 +49,7 @@ class SceneCopy:
             slot.material = material
         self.scene.cycles.samples = samples
         try:
-            with self._context():
+            with self._context(), hold_interrupts():
                 bpy.ops.object.bake(
                     type=kind,
                     margin=margin,

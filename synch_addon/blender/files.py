@@ -16,6 +16,7 @@ from ...core.files.meshes import check_glb, check_ply, is_whole
 from ...core.files.obj_files import ObjMesh, far_centre, write_centred, write_obj
 from ...core.files.whole import check_writable, unwritten, write_whole
 from ...core.geometry.check import coarse_places
+from ...core.interrupts import hold_interrupts
 from ...core.memory import check_memory
 from .attributes import read_all
 from .quiet import quiet_stderr
@@ -65,7 +66,7 @@ def open_input(path):
     check_memory(_BYTES.get(suffix, 0) * Path(path).stat().st_size, str(path), reserved=1.0)
     centre = far_centre(path) if suffix == ".obj" else None
     try:
-        with quiet_stderr():
+        with quiet_stderr(), hold_interrupts():
             if centre is None:
                 _read(suffix, str(Path(path).resolve()))
             else:

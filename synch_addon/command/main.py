@@ -22,6 +22,7 @@ from ...core.errors import SettingError, SynchError, WriteError, one_line
 from ...core.files.declared import check_clashes, check_inputs, make_folders
 from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
+from ...core.interrupts import SIGNALLED, Interrupted, catch_interrupts, raise_interrupts, report_signal
 from ...core.monitor import seconds_left
 from ...core.settings.surface import SurfaceSettings
 from ...core.validation import check_text
@@ -35,7 +36,6 @@ from . import animate, bake, batch, clebsch, fields, layers, process_exit
 from . import lines as cli_lines
 from .declared_files import DEMO, declared_files
 from .flags import Made, add_input, add_quiet, add_view, save_scene
-from .interrupts import SIGNALLED, Interrupted, catch_interrupts, report_signal
 
 # Errors that are reported in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
@@ -58,13 +58,14 @@ def main(arguments, loaded=False):
     except SettingError as error:
         print(f"synch {options.command}: {error}", file=sys.stderr)
         return 1
-    with quiet_stdout() as out, catch_interrupts() as check:
+    with quiet_stdout() as out:
         try:
-            progress = _Progress(check, getattr(options, "quiet", True))
-            if options.command == "batch":
-                made = batch.run(options, of_rows, shared, progress)
-            else:
-                made = _carry_out(options, lambda: _open(options, loaded), progress, check)
+            with catch_interrupts():
+                progress = _Progress(getattr(options, "quiet", True))
+                if options.command == "batch":
+                    made = batch.run(options, of_rows, shared, progress)
+                else:
+                    made = _carry_out(options, lambda: _open(options, loaded), progress)
         except Interrupted as stop:
             return report_signal(f"synch {options.command}", *stop.args)
         except _REFUSALS as error:
@@ -82,11 +83,11 @@ def main(arguments, loaded=False):
 
 def _serve(of_rows):
     """Be a warm process until standard input is closed, or a signal comes; exit status."""
-    with catch_interrupts():
-        try:
+    try:
+        with catch_interrupts():
             batch.serve(of_rows)
-        except Interrupted as stop:
-            return report_signal("synch batch", *stop.args)
+    except Interrupted as stop:
+        return report_signal("synch batch", *stop.args)
     return 0
 
 
@@ -98,7 +99,7 @@ def _at_dashes(arguments):
     return arguments[:place], arguments[place + 1 :]
 
 
-def _carry_out(options, open_object, progress, check):
+def _carry_out(options, open_object, progress):
     """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths.
 
     Errors are SynchError, which the report tells, too, where one is asked for.
@@ -110,7 +111,7 @@ def _carry_out(options, open_object, progress, check):
                 if isinstance(value, str):
                     check_text(value, f"the {name.replace('_', ' ')}")
             made = _COMMANDS[options.command](options, open_object, progress)
-            check()
+            raise_interrupts()
             return _write_outputs(made, options, progress)
     except _REFUSALS as error:
         raise SynchError(_report_error(options, declared, error)) from None
@@ -118,8 +119,8 @@ def _carry_out(options, open_object, progress, check):
 
 def _carry_out_row(options):
     """Carry a command out as a row of a batch; errors are SynchError."""
-    with quiet_stdout(), catch_interrupts() as check:
-        return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
+    with quiet_stdout(), catch_interrupts():
+        return _carry_out(options, lambda: _open(options, False), _Progress(True))
 
 
 def _parse_row(parser, arguments):
@@ -232,12 +233,11 @@ class _Progress:
 
     Parameters
     ----------
-    check : raises where the command has been interrupted
     is_quiet : nothing is printed
     """
 
-    def __init__(self, check, is_quiet):
-        self._check, self._is_quiet, self._last = check, is_quiet, ""
+    def __init__(self, is_quiet):
+        self._is_quiet, self._last = is_quiet, ""
         self._start, self._expected = time.monotonic(), None
 
     def expect(self, seconds):
@@ -245,7 +245,7 @@ class _Progress:
         self._start, self._expected = time.monotonic(), seconds
 
     def __call__(self, stage, fraction):
-        self._check()
+        raise_interrupts()
         if self._is_quiet:
             return True
         line = f"{stage} {fraction:.0%}"

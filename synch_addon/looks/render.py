@@ -13,6 +13,7 @@ from mathutils import Euler, Matrix, Vector
 
 from ...core.errors import MeshError, SettingError
 from ...core.files.whole import is_whole_image, unwritten, write_whole
+from ...core.interrupts import hold_interrupts
 from ..blender.attributes import read_all
 from ..blender.defect_empties import KINDS, defect_empties
 from ..blender.new_geometry import new_mesh
@@ -84,7 +85,8 @@ def render_scene(scene, path, resolution, samples):
     with write_whole(path, is_whole_image) as made:
         _set_up_render(scene, made, resolution, samples)
         try:
-            bpy.ops.render.render(write_still=True, scene=scene.name)
+            with hold_interrupts():
+                bpy.ops.render.render(write_still=True, scene=scene.name)
         except RuntimeError as error:
             raise unwritten(path, str(error).splitlines()[0]) from error
 

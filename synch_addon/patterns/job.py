@@ -7,7 +7,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...core.errors import SynchError
+from ...core.errors import AsymmetryError, SynchError
 from ...core.files.json_text import Json
 from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
@@ -36,15 +36,25 @@ class FieldJob:
         self._report = Report(command, obj, settings)
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
-            self._refinement, read = refinement_of(command, obj, settings)
-            if self._refinement is not None:
-                settings = replace(settings, mirror=self._refinement.mirror)
-            with solved_object(obj, self._refinement) as surface:
-                self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
-                settings = self._report.settings = replace(settings, pins=self._pins)
-                self.request = gather(command, surface, settings, read=read)
+            try:
+                settings = self._read(command, obj, settings, True)
+            except AsymmetryError:  # modifiers after the mirror may spoil its symmetry
+                if settings.mirror:
+                    raise
+                settings = self._read(command, obj, settings, False)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
+
+    def _read(self, command, obj, settings, is_mirrored):
+        """Read the request; arguments as of :func:`refinement_of`. Returns the settings of what is solved on."""
+        self._refinement, read = refinement_of(command, obj, settings, is_mirrored)
+        if self._refinement is not None:
+            settings = replace(settings, mirror=self._refinement.mirror)
+        with solved_object(obj, self._refinement) as surface:
+            self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
+            settings = self._report.settings = replace(settings, pins=self._pins)
+            self.request = gather(command, surface, settings, read=read)
+        return settings
 
     def write(self, result):
         """Write the result to the object at once; returns the report."""

@@ -36,11 +36,11 @@ def bind(obj, refinement, warn):
     former, present = surface_of(obj), surface_modifier(obj)
     with source_of(obj, refinement.is_seen) as source:
         made = made_of(obj, source, refinement)
+        values = {"Surface": made, "Vertices": len(source.data.vertices)}
         if former != obj:
             _take_over(obj, former, made)
     if refinement.is_seen:
         _level(obj, warn)
-    values = {"Surface": made, "Vertices": refinement.source_vertices}
     group = bound_surface_group()
     if present is None:
         add_modifier(obj, group, values)

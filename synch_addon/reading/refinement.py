@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ...core.errors import AsymmetryError, SynchError
+from ...core.errors import SynchError
 from ...core.refinement import BoundSurface
 from ...core.refinement.spacing import finer_copy, is_fine
 from ..blender import attributes, meshes
@@ -26,14 +26,14 @@ class Refinement:
     bound : BoundSurface of the object's mesh, or of what its modifiers make of it
     is_seen : whether it is of that
     state : what tells the mesh that it was made for from others, see :func:`state_of`
-    source_vertices : how many vertices it is bound to
+    source_faces : what tells the faces and edges that it is bound to from others, see :func:`_faces_of`
     mirror : axes of the pattern's mirror: those asked for, or where a quad mesh has none, those of modifiers
     """
 
     bound: BoundSurface
     is_seen: bool
     state: str
-    source_vertices: int
+    source_faces: str
     mirror: str
 
     @property
@@ -44,9 +44,11 @@ class Refinement:
         return {"of": of, "vertices": len(bound.vertices), "faces": len(bound.starts), "joined": bound.welded}
 
 
-def refinement_of(command, obj, settings):
+def refinement_of(command, obj, settings, is_mirrored=True):
     """The :class:`Refinement` on which a command on an object in object mode is solved, None for its own faces; and
     the MeshInput of these, where it was read.
+
+    ``is_mirrored`` if a quad mesh without a mirror is to have those of modifiers.
 
     Raises SynchError as :func:`gather`, and where the surface would have too many faces.
     """
@@ -61,17 +63,14 @@ def refinement_of(command, obj, settings):
     with source_of(obj, is_seen) as source:
         read = meshes.read_faces(source)
         edges = attributes.read_all(source.data.edges, "vertices", 2)
-        state, count = state_of(obj), len(source.data.vertices)
+        state, faces = state_of(obj), _faces_of(source, edges)
         given = read.surface(settings.strict)
         factors = read_spacing_map(source, given, settings)
-        modifiers = _mirrored_by_modifiers(obj) if command == "quad_mesh" and is_seen else ""
-        for mirror in dict.fromkeys((settings.mirror or modifiers, settings.mirror)):
-            try:
-                bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors)
-                return Refinement(bound, is_seen, state, count, mirror), None
-            except AsymmetryError:
-                if mirror == settings.mirror:
-                    raise
+        mirror = settings.mirror
+        if is_mirrored and not mirror and command == "quad_mesh" and is_seen:
+            mirror = _mirrored_by_modifiers(obj)
+        bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors)
+        return Refinement(bound, is_seen, state, faces, mirror), None
 
 
 def _mirrored_by_modifiers(obj):
@@ -139,7 +138,8 @@ def made_of(obj, source, refinement):
 
     Raises SynchError where the source has other faces by now.
     """
-    if len(source.data.vertices) != refinement.source_vertices or state_of(obj) != refinement.state:
+    edges = attributes.read_all(source.data.edges, "vertices", 2)
+    if _faces_of(source, edges) != refinement.source_faces or state_of(obj) != refinement.state:
         raise SynchError(f"the mesh or the modifiers of {obj.name} changed while it was solved: run again")
     return refined_object(source, refinement.bound, obj, refinement.state)
 
@@ -147,7 +147,17 @@ def made_of(obj, source, refinement):
 def state_of(obj):
     """What is equal as long as an object's own mesh has the same faces at the same places."""
     polygons = meshes.read_polygons(obj)
+    return _digest(polygons.corner_vertices, polygons.starts, meshes.measured_places(obj))
+
+
+def _faces_of(obj, edges):
+    """What is equal as long as an object's mesh has the same vertices, edges and faces, wherever they are."""
+    polygons = meshes.read_polygons(obj)
+    return _digest(np.array(len(obj.data.vertices)), edges, polygons.corner_vertices, polygons.starts)
+
+
+def _digest(*arrays):
     digest = hashlib.sha1(usedforsecurity=False)
-    for array in (polygons.corner_vertices, polygons.starts, meshes.measured_places(obj)):
+    for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

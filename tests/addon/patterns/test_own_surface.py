@@ -289,6 +289,20 @@ def test_a_cancelled_solve_changes_nothing():
     assert snapshot() == before
 
 
+@pytest.mark.parametrize("command", ["stripes", "quad_mesh"])
+def test_a_modifier_that_divides_faces_meanwhile_ends_in_one_line(command):
+    """It leaves as many vertices as there were. The triangles are not symmetric, though those of the Mirror are."""
+    obj = cube()
+    obj.modifiers.new("Mirror", "MIRROR")
+    triangulate = obj.modifiers.new("Triangulate", "TRIANGULATE")
+    job = FieldJob(command, obj, SurfaceSettings(spacing=0.8))
+    obj.modifiers.remove(triangulate)
+    before = bytes_of(obj.data)
+    with pytest.raises(SynchError, match="changed while it was solved: run again"):
+        job.write(job.request.solve())
+    assert bytes_of(obj.data) == before and surface_of(obj) == obj
+
+
 def test_variations_lines_reliefs_and_quads_read_the_surface():
     obj, report = solved_cube(guidance="axis:Z")
     assert api.vary(obj, 2)["energy"] > 0
