@@ -18,10 +18,10 @@ def cube():
     return added("Cube")
 
 
-def half_suzanne():
-    """The half of a monkey's head that mirror, subdivision and walls make a body of."""
-    bpy.ops.mesh.primitive_monkey_add()
-    obj = bpy.context.active_object
+def half_body():
+    """The half of a ball that mirror, subdivision and walls make a body of."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
+    obj = added("Sphere")
     half = bmesh.new()
     half.from_mesh(obj.data)
     bmesh.ops.delete(half, geom=[v for v in half.verts if v.co.x < -1e-4], context="VERTS")
@@ -30,6 +30,7 @@ def half_suzanne():
     obj.data.shade_smooth()
     for kind in ("MIRROR", "SUBSURF", "SOLIDIFY"):
         obj.modifiers.new(kind.capitalize(), kind)
+    obj.modifiers["Solidify"].thickness = 0.1
     obj.modifiers["Subsurf"].levels, obj.modifiers["Subsurf"].render_levels = 1, 2
     return obj
 
@@ -65,7 +66,7 @@ def coarse_hexagons():
 
 SHAPES = {
     "cube of 8 vertices": (cube, {"spacing": 0.25, "guidance": "axis:Z"}, "mesh"),
-    "half a monkey": (half_suzanne, {"spacing": 0.2}, "modifiers"),
+    "half a body": (half_body, {"spacing": 0.2}, "modifiers"),
     "rigged tube": (rigged_tube, {"spacing": 0.4, "guidance": "axis:Z"}, "mesh"),
     "sphere of hexagons": (coarse_hexagons, {"spacing": 0.25}, "mesh"),
 }

@@ -19,7 +19,7 @@ from synch_fields.synch_addon.patterns.live import from_shown, live
 from synch_fields.synch_addon.settings.fields import stored_settings
 
 from ..scenes import attribute, empties, snapshot, sphere, tube
-from .coarse_shapes import cube, half_suzanne
+from .coarse_shapes import cube, half_body
 
 
 @pytest.fixture(autouse=True)
@@ -364,7 +364,7 @@ def test_directions_that_are_given_have_no_solution_of_those_before():
 
 
 @pytest.mark.any_surface
-@pytest.mark.parametrize("build", [cube, half_suzanne])
+@pytest.mark.parametrize("build", [cube, half_body])
 def test_a_painted_map_is_followed_on_a_surface_of_its_own(build):
     obj = build()
     obj.vertex_groups.new(name="turn").add([0], 0.0, "REPLACE")

@@ -33,7 +33,7 @@ from ..scenes import (
     torus,
     tube,
 )
-from .coarse_shapes import BUILD, bytes_of, cube, half_suzanne, rigged_tube, seen
+from .coarse_shapes import BUILD, bytes_of, cube, half_body, rigged_tube, seen
 
 bmesh = importlib.import_module("bmesh")  # on the path once bpy is loaded, as isort cannot know
 pytestmark = pytest.mark.any_surface
@@ -274,7 +274,7 @@ def test_a_second_solve_leaves_one_surface_with_the_look_numbers_and_favourites(
     assert "synch_number" in surface_of(obj).data.attributes and not obj.synch.favourites
 
 
-@pytest.mark.parametrize("build", [cube, half_suzanne])
+@pytest.mark.parametrize("build", [cube, half_body])
 def test_undo_and_redo_are_exact(build):
     obj = build()
     obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
@@ -282,7 +282,7 @@ def test_undo_and_redo_are_exact(build):
 
 
 def test_a_cancelled_solve_changes_nothing():
-    obj = half_suzanne()
+    obj = half_body()
     before = snapshot()
     with pytest.raises(Cancelled):
         api.stripes(obj, spacing=0.4, callback=lambda *_: False)
@@ -351,7 +351,7 @@ def test_a_copy_keeps_its_pattern_when_the_object_gets_another():
 
 
 def test_renders_and_viewport_are_subdivided_alike():
-    obj = half_suzanne()
+    obj = half_body()
     report = api.stripes(obj, spacing=0.3)
     subdivision = obj.modifiers["Subsurf"]
     assert subdivision.levels == subdivision.render_levels == 2
@@ -390,7 +390,7 @@ def test_faces_of_defects_are_those_of_the_mesh_that_is_edited():
         assert not inside.any() or number in chosen
 
 
-@pytest.mark.parametrize("build", [cube, half_suzanne])
+@pytest.mark.parametrize("build", [cube, half_body])
 def test_bakes_read_the_surface(build, tmp_path):
     obj = build()
     if not obj.data.uv_layers:
