@@ -276,9 +276,8 @@ def test_a_second_solve_leaves_one_surface_with_the_look_numbers_and_favourites(
 
 @pytest.mark.parametrize("build", [cube, half_body])
 def test_undo_and_redo_are_exact(build):
-    obj = build()
-    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
-    undo_and_redo(bpy.ops.synch.stripes)
+    build()
+    undo_and_redo(lambda: bpy.ops.synch.stripes(spacing=0.4))
 
 
 def test_a_cancelled_solve_changes_nothing():

@@ -60,7 +60,7 @@ def toolpaths(folder):
 def clebsch(folder):
     x, y, _ = np.meshgrid(*3 * [np.linspace(-1, 1, 6)], indexing="ij")
     np.savez(folder / "flow.npz", velocity=np.stack([-y, x, 0 * x], axis=-1) * np.exp(-4 * (x**2 + y**2))[..., None])
-    return lambda **given: api.clebsch(folder / "flow.npz", **{"time_limit": 5.0, **given})
+    return lambda **given: api.clebsch(folder / "flow.npz", **{"time_limit": 5.0, "quantum": 0.05, **given})
 
 
 def constrained(_):
