@@ -31,7 +31,7 @@ NARROW = np.radians(50)
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
 # Where marked edges divide most of the surface into facets with room for fewer quads than this, the marks come from
 # flat shading and are ignored.
-FEWEST_QUADS = 4.0
+FEWEST_QUADS = 20.0
 
 
 def feature_edges(

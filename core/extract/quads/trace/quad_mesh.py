@@ -122,9 +122,39 @@ def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
     mesh = edge_phases.mesh
     positions = np.einsum("nk,nkx->nx", lines.weights, mesh.vertices[mesh.triangles[lines.triangles]])
     graph = _unite_centres(lines, positions)
+    inside = _inside_parallel_edges(graph, lines.graph, positions)
+    if inside:
+        kept = lines.graph.kept.copy()
+        kept[inside] = True
+        graph = _unite_centres(replace(lines, graph=replace(lines.graph, kept=kept)), positions)
     darts, sizes = graph.faces()
     quads = QuadMesh(positions, lines.triangles, lines.weights, graph.tails[darts], sizes)
     return _add_island_faces(_without_short_edges(quads), mesh)
+
+
+def _inside_parallel_edges(graph: LineGraph, traced: LineGraph, positions: np.ndarray) -> list[int]:
+    """A node in the middle of each edge but the shortest of those between the same two nodes, as around a thin tube."""
+    ends = np.sort(graph.tails.reshape(-1, 2), axis=1) @ [len(graph.kept), 1]
+    _, labels, counts = np.unique(ends, return_inverse=True, return_counts=True)
+    inside: list[int] = []
+    for label in np.flatnonzero(counts > 1):
+        paths = [np.array(_path(graph, 2 * edge, traced)) for edge in np.flatnonzero(labels == label).tolist()]
+        along = [np.append(0, np.linalg.norm(np.diff(positions[path], axis=0), axis=1).cumsum()) for path in paths]
+        for number in np.argsort([places[-1] for places in along])[1:]:
+            path, between = paths[number][1:-1], along[number][1:-1]
+            inside += path[np.abs(between - along[number][-1] / 2).argsort()[:1]].tolist()
+    return inside
+
+
+def _path(graph: LineGraph, dart: int, traced: LineGraph) -> list[int]:
+    """The nodes along a dart's edge in the graph that it was traced in; of those that lines pass which the graph has no
+    more, only the first."""
+    path, last = [int(graph.tails[dart])], int(graph.heads[dart])
+    found = np.flatnonzero((traced.tails == path[0]) & (traced.keys == graph.keys[dart]))
+    while len(found) == 1:
+        path.append(int(traced.heads[found[0]]))
+        found = np.setdiff1d(np.flatnonzero(traced.tails == path[-1]), found ^ 1) if path[-1] != last else found[:0]
+    return path if path[-1] == last else [*path, last]
 
 
 def _without_short_edges(quads: QuadMesh) -> QuadMesh:

@@ -226,6 +226,15 @@ def test_a_flat_torus_has_nothing_but_regular_vertices():
     assert is_surface(quads) and euler(quads) == 0
 
 
+def test_where_two_quads_go_around_a_tube_one_of_two_edges_between_the_same_vertices_is_divided():
+    mesh, axis = flat_torus(1.0, 0.2, columns=24, rows=6)
+    quads = quad_mesh(
+        quad_pattern(mesh, turned_crosses(DirectionField(mesh, 4, axis), random_turns(mesh)), 0.2).edge_phases
+    )
+    assert is_surface(quads) and quads.is_simple and euler(quads) == 0
+    assert sorted(valences(quads)) == 10 * [2] + 20 * [4] and len(quads.sizes) == 20 and quads.sizes.sum() == 80 + 20
+
+
 # The same mesh by other names
 
 
