@@ -18,7 +18,7 @@ def type_text(window, text):
 
 def test_a_job_tells_from_the_beginning_how_long_it_takes(panel, keep):
     add_ball(panel, 7)
-    panel.run("active().synch_simple.kind = 'quad_mesh'; active().synch.faces = 1000")
+    panel.run("active().synch_simple.kind = 'quad_mesh'; active().synch.faces = 1000; area().tag_redraw()")
     panel.click("Quad Mesh")
     panel.until(f"{QUEUE}.running.expected is not None")
     fraction, line = panel.value(f"[{QUEUE}.running.fraction, {QUEUE}.running.short_line]")
