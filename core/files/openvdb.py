@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import BinaryIO
 
 from ..errors import SettingError
+from ..interrupts import hold_interrupts
 
 _MAGIC, _OLDEST = b" BDV\0\0\0\0", 222
 # Bytes of the header behind the version, of a descriptor behind its names, of transforms by their names, and of values.
@@ -103,15 +104,19 @@ class _Reader:
 
 @cache
 def openvdb_module(file: str | None = None) -> ModuleType:
-    """The module, loaded once from a compiled file, or found by its name; SettingError if it does not exist."""
+    """The module, loaded once from a compiled file, or found by its name; SettingError if it does not exist.
+
+    An exception of a signal while it is initialized would end the process in a crash.
+    """
     try:
-        if file is None:
-            return importlib.import_module("openvdb")
-        spec = importlib.util.spec_from_file_location(Path(file).name.split(".")[0], file)
-        if spec is None or spec.loader is None:
-            raise ImportError(file)
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
+        with hold_interrupts():
+            if file is None:
+                return importlib.import_module("openvdb")
+            spec = importlib.util.spec_from_file_location(Path(file).name.split(".")[0], file)
+            if spec is None or spec.loader is None:
+                raise ImportError(file)
+            module = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(module)
     except ImportError:
         raise SettingError("this Blender has no OpenVDB module: use another one, or flows as .npz") from None
     return module

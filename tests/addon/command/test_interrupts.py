@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import bpy
 import pytest
 
+from synch_fields.core.files.openvdb import openvdb_module
 from synch_fields.core.files.whole import write_whole
 from synch_fields.core.interrupts import Interrupted, catch_interrupts, hold_interrupts, raise_interrupts
 from synch_fields.synch_addon.looks.render import render_picture
@@ -64,3 +65,13 @@ def test_a_signal_that_nobody_asks_for_is_raised_at_the_end_and_then_forgotten()
         except Interrupted:
             pass
     raise_interrupts()
+
+
+def test_a_signal_while_a_compiled_module_is_initialized_waits_until_it_is(monkeypatch):
+    """An exception that comes out of OpenVDB's initialization ends the process with std::terminate."""
+    monkeypatch.setattr("importlib.util.module_from_spec", lambda spec: send() or spec.name)
+    monkeypatch.setattr("importlib.machinery.ExtensionFileLoader.exec_module", lambda _, module: done.append(module))
+    done = []
+    with pytest.raises(Interrupted), catch_interrupts():
+        openvdb_module.__wrapped__("/nowhere/openvdb.so")
+    assert done == ["openvdb"]
