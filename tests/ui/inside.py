@@ -21,8 +21,8 @@ from mathutils import Matrix, Vector
 
 _FOLDER = os.environ["SYNCH_UI_FOLDER"]
 _COMMAND, _ANSWER = (os.path.join(_FOLDER, name) for name in ("command", "answer"))
-# Seconds between two looks for a command.
-_PERIOD = 0.02
+# Seconds to sleep where there is no command: Blender, which sleeps as long between events, does not where it simulates them.
+_SLEEP = 0.005
 _PARENT = os.getppid()
 
 bpy.context.preferences.view.show_splash = False
@@ -146,7 +146,8 @@ def _poll():
     if os.getppid() != _PARENT:  # the tests were killed
         os._exit(1)
     if not os.path.exists(_COMMAND):
-        return _PERIOD
+        time.sleep(_SLEEP)
+        return 0
     with open(_COMMAND) as file:
         source = file.read()
     os.remove(_COMMAND)
@@ -159,7 +160,7 @@ def _poll():
     with open(_ANSWER + ".part", "w") as file:
         json.dump(result, file)
     os.rename(_ANSWER + ".part", _ANSWER)
-    return _PERIOD
+    return 0
 
 
 bpy.app.timers.register(_poll, first_interval=0.5, persistent=True)
