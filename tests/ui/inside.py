@@ -21,7 +21,7 @@ from mathutils import Matrix, Vector
 
 _FOLDER = os.environ["SYNCH_UI_FOLDER"]
 _COMMAND, _ANSWER = (os.path.join(_FOLDER, name) for name in ("command", "answer"))
-# Seconds to sleep where there is no command: Blender, which sleeps as long between events, does not where it simulates them.
+# Seconds to sleep without a command: Blender sleeps as long between events, but not where it simulates them.
 _SLEEP = 0.005
 _PARENT = os.getppid()
 
