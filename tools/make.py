@@ -62,7 +62,10 @@ def run(venv, arguments: list[str]) -> int:
 def run_at_once(venv, arguments: list[str], count: int) -> int:
     """The status of all tests, whose files processes share out; what the others print follows that of the first."""
     logs = [None, *(tempfile.TemporaryFile() for _ in range(count - 1))]
-    parts = [start(venv, [*arguments, "--part", f"{k}/{count}"], log) for k, log in enumerate(logs, 1)]
+    # A core for each: more threads of their solves would only wait for one another.
+    parts = [
+        start(venv, [*arguments, "--part", f"{k}/{count}"], log, SYNCH_THREADS="1") for k, log in enumerate(logs, 1)
+    ]
     status = max(part.wait() for part in parts)
     for log in logs[1:]:
         log.seek(0)
@@ -70,8 +73,9 @@ def run_at_once(venv, arguments: list[str], count: int) -> int:
     return status
 
 
-def start(venv, arguments: list[str], log=None) -> subprocess.Popen:
-    settings = {**os.environ, "PYTHONPATH": str(ROOT / "out" / "tree")}
+def start(venv, arguments: list[str], log=None, **variables: str) -> subprocess.Popen:
+    """The environment's Python with these arguments; ``variables`` are for those that the user has not set."""
+    settings = {**variables, **os.environ, "PYTHONPATH": str(ROOT / "out" / "tree")}
     return subprocess.Popen([str(environment.python_of(venv)), *arguments], cwd=ROOT, env=settings, stdout=log)
 
 
