@@ -309,9 +309,9 @@ def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     blender.open_panel()  # 1: the key N; 2: the tab
     keep("click_2", blender.picture("UI")[:333])
     blender.click("Stripes")  # 3
-    blender.wait_for("Empties")
+    blender.wait_for("Variation")
     blender.wait_to_see(lambda picture: True, "UI", still=2)
-    last = blender.wait_for("Empties")
+    last = blender.wait_for("Variation")
     _, y, _, height = blender.region("UI")
     keep("click_3", blender.picture("UI")[: y + height - int(last[1]) + 20])
     blender.click("Preview")  # 4
