@@ -313,7 +313,7 @@ def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     blender.wait_to_see(lambda picture: True, "UI", still=2)
     last = blender.wait_for("Variation")
     _, y, _, height = blender.region("UI")
-    keep("click_3", blender.picture("UI")[: y + height - int(last[1]) + 20])
+    keep("click_3", blender.picture("UI")[: y + height - int(last[1]) + 14])
     blender.click("Preview")  # 4
     blender.until("area().spaces[0].shading.type in ('MATERIAL', 'RENDERED')")
     blender.wait_to_see(stripes_are_seen, "WINDOW", still=5)
