@@ -9,7 +9,7 @@ from types import FrameType
 
 # The exit status is this and the signal's number, as shells have it.
 SIGNALLED = 128
-# What is said of a signal.
+# How messages name a signal.
 _WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -35,7 +35,7 @@ class _Signals:
 
 
 _signals = _Signals()
-# Raises Interrupted if a signal has come, as Blender may have forgotten what was raised before.
+# Raises Interrupted if a signal has come: the first exception may have been printed by Blender and lost.
 raise_interrupts = _signals.raise_first
 
 
@@ -55,7 +55,8 @@ def catch_interrupts() -> Iterator[None]:
 def hold_interrupts() -> Iterator[None]:
     """Raise what comes inside at the end.
 
-    Blender prints and forgets what is raised in functions that it calls, such as the one of Cycles that renders.
+    For Blender's operators: where they call Python functions, as Cycles does to render, Blender prints an exception and
+    goes on.
     """
     _signals.held += 1
     try:

@@ -141,19 +141,19 @@ def varying_part(
     """
     flow = diags_array(_inverse_weights(weights, known)) @ circulation.matrix.T
     laplacian = (circulation.matrix @ flow).tocsr()
-    # The matrix is definite even where all changes are known and the triangles have no area.
+    # Where all changes are known the Laplacian is 0, and areas may be 0, too: the shift keeps the matrix definite.
     shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
     smoothing = (diags_array(circulation.areas + shift) + length**2 * laplacian).tocsr()
-    order = _near_one_another(smoothing)
+    order = _cuthill_mckee_order(smoothing)
     smooth = np.empty_like(holonomy)
     smooth[order] = factorize(smoothing[order][:, order], single=False).solve(holonomy[order])
     part: np.ndarray = holonomy - circulation.areas * smooth
     return part
 
 
-def _near_one_another(matrix: csr_matrix) -> np.ndarray:
-    """(s,) an order of the rows that puts neighbours near one another: from there SuperLU finds its own order much
-    faster than from that of some files."""
+def _cuthill_mckee_order(matrix: csr_matrix) -> np.ndarray:
+    """(s,) order of the rows in which neighbours are near one another. SuperLU finds its own order from this one much
+    faster than from the order of faces in some files."""
     order: np.ndarray = reverse_cuthill_mckee(matrix, symmetric_mode=True)
     return order
 
@@ -212,7 +212,7 @@ def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, rough
         inverse = diags_array(1 / matrix.diagonal())
         result[rows] = cg(matrix, right[rows], rtol=ROUGH, maxiter=ROUGH_STEPS, M=inverse)[0]
         return result
-    order = _near_one_another(matrix)
+    order = _cuthill_mckee_order(matrix)
     rows, matrix = rows[order], matrix[order][:, order]
     right = right[rows]
     factors = _factors(matrix)

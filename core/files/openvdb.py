@@ -106,7 +106,7 @@ class _Reader:
 def openvdb_module(file: str | None = None) -> ModuleType:
     """The module, loaded once from a compiled file, or found by its name; SettingError if it does not exist.
 
-    An exception of a signal while it is initialized would end the process in a crash.
+    Signals wait until it is initialized: an exception inside would crash the process.
     """
     try:
         with hold_interrupts():

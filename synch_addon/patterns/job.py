@@ -37,17 +37,17 @@ class FieldJob:
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
             try:
-                settings = self._read(command, obj, settings, True)
+                settings = self._read(command, obj, settings, follows_mirror=True)
             except AsymmetryError:  # modifiers after the mirror may spoil its symmetry
                 if settings.mirror:
                     raise
-                settings = self._read(command, obj, settings, False)
+                settings = self._read(command, obj, settings, follows_mirror=False)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
 
-    def _read(self, command, obj, settings, is_mirrored):
-        """Read the request; arguments as of :func:`refinement_of`. Returns the settings of what is solved on."""
-        self._refinement, read = refinement_of(command, obj, settings, is_mirrored)
+    def _read(self, command, obj, settings, follows_mirror):
+        """Read the request, with arguments of :func:`refinement_of`; returns the settings with its mirror and pins."""
+        self._refinement, read = refinement_of(command, obj, settings, follows_mirror)
         if self._refinement is not None:
             settings = replace(settings, mirror=self._refinement.mirror)
         with solved_object(obj, self._refinement) as surface:

@@ -25,15 +25,15 @@ class Refinement:
     ----------
     bound : BoundSurface of the object's mesh, or of what its modifiers make of it
     is_seen : whether it is of that
-    state : what tells the mesh that it was made for from others, see :func:`state_of`
-    source_faces : what tells the faces and edges that it is bound to from others, see :func:`_faces_of`
+    state : hash of the object's own mesh, see :func:`state_of`
+    topology : hash of the mesh that it is bound to, without places, see :func:`_topology_of`
     mirror : axes of the pattern's mirror: those asked for, or where a quad mesh has none, those of modifiers
     """
 
     bound: BoundSurface
     is_seen: bool
     state: str
-    source_faces: str
+    topology: str
     mirror: str
 
     @property
@@ -44,11 +44,11 @@ class Refinement:
         return {"of": of, "vertices": len(bound.vertices), "faces": len(bound.starts), "joined": bound.welded}
 
 
-def refinement_of(command, obj, settings, is_mirrored=True):
+def refinement_of(command, obj, settings, follows_mirror):
     """The :class:`Refinement` on which a command on an object in object mode is solved, None for its own faces; and
     the MeshInput of these, where it was read.
 
-    ``is_mirrored`` if a quad mesh without a mirror is to have those of modifiers.
+    ``follows_mirror``: mirror a quad mesh that asks for no mirror as the Mirror modifiers mirror the object.
 
     Raises SynchError as :func:`gather`, and where the surface would have too many faces.
     """
@@ -63,14 +63,14 @@ def refinement_of(command, obj, settings, is_mirrored=True):
     with source_of(obj, is_seen) as source:
         read = meshes.read_faces(source)
         edges = attributes.read_all(source.data.edges, "vertices", 2)
-        state, faces = state_of(obj), _faces_of(source, edges)
+        state, topology = state_of(obj), _topology_of(source, edges)
         given = read.surface(settings.strict)
         factors = read_spacing_map(source, given, settings)
         mirror = settings.mirror
-        if is_mirrored and not mirror and command == "quad_mesh" and is_seen:
+        if follows_mirror and not mirror and command == "quad_mesh" and is_seen:
             mirror = _mirrored_by_modifiers(obj)
         bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors)
-        return Refinement(bound, is_seen, state, faces, mirror), None
+        return Refinement(bound, is_seen, state, topology, mirror), None
 
 
 def _mirrored_by_modifiers(obj):
@@ -139,19 +139,19 @@ def made_of(obj, source, refinement):
     Raises SynchError where the source has other faces by now.
     """
     edges = attributes.read_all(source.data.edges, "vertices", 2)
-    if _faces_of(source, edges) != refinement.source_faces or state_of(obj) != refinement.state:
+    if _topology_of(source, edges) != refinement.topology or state_of(obj) != refinement.state:
         raise SynchError(f"the mesh or the modifiers of {obj.name} changed while it was solved: run again")
     return refined_object(source, refinement.bound, obj, refinement.state)
 
 
 def state_of(obj):
-    """What is equal as long as an object's own mesh has the same faces at the same places."""
+    """Hash of the faces of an object's own mesh and of the places of its vertices."""
     polygons = meshes.read_polygons(obj)
     return _digest(polygons.corner_vertices, polygons.starts, meshes.measured_places(obj))
 
 
-def _faces_of(obj, edges):
-    """What is equal as long as an object's mesh has the same vertices, edges and faces, wherever they are."""
+def _topology_of(obj, edges):
+    """Hash of the edges and faces of an object's mesh and of the number of its vertices; places do not count."""
     polygons = meshes.read_polygons(obj)
     return _digest(np.array(len(obj.data.vertices)), edges, polygons.corner_vertices, polygons.starts)
 

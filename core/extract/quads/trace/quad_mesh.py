@@ -147,8 +147,8 @@ def _inside_parallel_edges(graph: LineGraph, traced: LineGraph, positions: np.nd
 
 
 def _path(graph: LineGraph, dart: int, traced: LineGraph) -> list[int]:
-    """The nodes along a dart's edge in the graph that it was traced in; of those that lines pass which the graph has no
-    more, only the first."""
+    """The nodes along a dart's edge in the graph before its cleaning, up to the first where lines crossed that were
+    removed, and the edge's end."""
     path, last = [int(graph.tails[dart])], int(graph.heads[dart])
     found = np.flatnonzero((traced.tails == path[0]) & (traced.keys == graph.keys[dart]))
     while len(found) == 1:
