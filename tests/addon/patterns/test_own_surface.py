@@ -4,14 +4,12 @@
 mesh is what it was, and all that reads patterns reads that surface."""
 
 import importlib
-import re
 
 import bpy
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
-from synch_fields.core.refinement import bound_surface
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.pattern_surface import surface_modifier, surface_of
@@ -27,7 +25,6 @@ from ..scenes import (
     add_group,
     add_object,
     attribute,
-    grid,
     snapshot,
     sphere,
     torus,
@@ -401,25 +398,3 @@ def test_bakes_read_the_surface(build, tmp_path):
     image = bpy.data.images.load(report["maps"]["mask"]["file"])
     values = np.array(image.pixels[:]).reshape(-1, 4)[:, 0]
     assert 0.05 < (values > 0.5).mean() < 0.95
-
-
-@pytest.mark.parametrize("stretch", [1, 200])
-def test_more_faces_than_a_finer_surface_can_have_are_refused_with_a_number_that_is_not(stretch, monkeypatch):
-    monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 4000)
-    obj = grid(2)
-    obj.scale.x = stretch
-    bpy.context.view_layer.update()
-    with pytest.raises(
-        SynchError, match=r"100000 faces are too many for this mesh: ask for [1-9]\d* at most"
-    ) as caught:
-        FieldJob("quad_mesh", obj, SurfaceSettings(faces=100_000))
-    fitting = int(re.search(r"ask for (\d+)", str(caught.value))[1])
-    assert FieldJob("quad_mesh", obj, SurfaceSettings(faces=fitting)).request.settings.faces == fitting
-
-
-def test_a_mesh_of_parts_too_thin_for_any_number_of_faces_is_refused_with_what_helps(monkeypatch):
-    monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 100)  # fewer than it has
-    obj = sphere()
-    obj.data.vertices[0].co *= 1000
-    with pytest.raises(SynchError, match="too long and thin for quads: delete vertices that lie far out, or remesh it"):
-        FieldJob("quad_mesh", obj, SurfaceSettings(faces=10_000))
