@@ -3,6 +3,7 @@
 
 import math
 import tempfile
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -186,6 +187,16 @@ def check_output(path, suffixes):
     check_writable(path)
 
 
+@contextmanager
+def written_by_operator(path):
+    """For one of Blender's operators that writes the file ``path``: signals wait for its end, its error is a WriteError."""
+    try:
+        with hold_interrupts():
+            yield
+    except RuntimeError as error:
+        raise unwritten(path, " ".join(str(error).split())) from None
+
+
 def export_mesh(obj, path, z_up=False, written=write_whole):
     """Write one mesh object to a file of its own, in the units of the scene.
 
@@ -211,10 +222,8 @@ def export_mesh(obj, path, z_up=False, written=write_whole):
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
     with written(path, arrived) as made:
-        try:
+        with written_by_operator(path):
             _EXPORTERS[suffix](filepath=str(made))
-        except RuntimeError as error:
-            raise unwritten(path, " ".join(str(error).split())) from None
 
 
 def _places(data, matrix):
@@ -261,10 +270,8 @@ def save_blend(path):
     backups, preferences.save_version = preferences.save_version, 0
     try:
         with write_whole(path, _is_blend) as made:
-            try:
+            with written_by_operator(path):
                 bpy.ops.wm.save_as_mainfile(filepath=str(made), check_existing=False, copy=True)
-            except RuntimeError as error:
-                raise unwritten(path, " ".join(str(error).split())) from None
     finally:
         preferences.save_version = backups
     return str(path)

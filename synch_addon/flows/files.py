@@ -8,9 +8,9 @@ import bpy
 from ...core.errors import SettingError
 from ...core.files.filaments import WRITERS, filament_shape, table_of, tube_shape
 from ...core.files.json_text import Json
-from ...core.files.whole import unwritten, write_text, write_whole
+from ...core.files.whole import write_text, write_whole
 from ...core.validation import check_path
-from ..blender.files import check_output
+from ..blender.files import check_output, written_by_operator
 from ..blender.objects import no_object
 from . import memory
 
@@ -83,12 +83,10 @@ def _write_alembic(obj, path):
     frame = bpy.context.scene.frame_current
     try:
         with write_whole(path) as made:
-            try:
+            with written_by_operator(path):
                 bpy.ops.wm.alembic_export(
                     filepath=str(made), selected=True, start=frame, end=frame, as_background_job=False
                 )
-            except RuntimeError as error:
-                raise unwritten(path, " ".join(str(error).split())) from None
     finally:
         for other in layer.objects:
             other.select_set(other in selected)

@@ -12,10 +12,10 @@ import numpy as np
 from mathutils import Euler, Matrix, Vector
 
 from ...core.errors import MeshError, SettingError
-from ...core.files.whole import is_whole_image, unwritten, write_whole
-from ...core.interrupts import hold_interrupts
+from ...core.files.whole import is_whole_image, write_whole
 from ..blender.attributes import read_all
 from ..blender.defect_empties import KINDS, defect_empties
+from ..blender.files import written_by_operator
 from ..blender.new_geometry import new_mesh
 from ..blender.transaction import only_for_now
 from ..nodes.canvas import find_node, surface_material
@@ -84,11 +84,8 @@ def render_scene(scene, path, resolution, samples):
     """Render a picture's scene to an image file; arguments and errors as of :func:`render_picture`."""
     with write_whole(path, is_whole_image) as made:
         _set_up_render(scene, made, resolution, samples)
-        try:
-            with hold_interrupts():
-                bpy.ops.render.render(write_still=True, scene=scene.name)
-        except RuntimeError as error:
-            raise unwritten(path, str(error).splitlines()[0]) from error
+        with written_by_operator(path):
+            bpy.ops.render.render(write_still=True, scene=scene.name)
 
 
 def stand_in(obj, scene, edges):
