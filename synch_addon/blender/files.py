@@ -189,7 +189,7 @@ def check_output(path, suffixes):
 
 @contextmanager
 def written_by_operator(path):
-    """For one of Blender's operators that writes the file ``path``: signals wait for its end, its error is a WriteError."""
+    """For an operator of Blender's that writes the file ``path``: signals wait for its end, errors are WriteError."""
     try:
         with hold_interrupts():
             yield
