@@ -29,9 +29,11 @@ NARROW = np.radians(50)
 # Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are no features;
 # a boundary always is.
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
-# Where marked edges divide most of the surface into facets with room for fewer quads than this, the marks come from
-# flat shading and are ignored.
+# Where edges divide most of the surface into parts with room for fewer quads than this, the parts are facets.
 FEWEST_QUADS = 20.0
+# Faces that bend by less than FLAT are one facet. A body whose facets mostly bend by more than COARSE, but by less than
+# counts as sharp, is a round one in few polygons: an edge is sharp there if it bends by more than SHARPEST.
+FLAT, COARSE, SHARPEST = np.radians([1, 15, 80])
 
 
 def feature_edges(
@@ -43,11 +45,16 @@ def feature_edges(
     ----------
     angle : radians between the normals of two faces beyond which their edge is sharp
     side : length of a quad's side, one or (n,) at the vertices
-    marked : indices of further sharp edges, ignored where they only divide the surface into small facets
+    marked : indices of further sharp edges
     faces : (m,) the input polygon of each triangle, within which nothing is sharp
+
+    Where ``marked`` edges divide most of the surface into facets they are ignored: its shading is flat.
     """
-    sharp = np.abs(mesh.angles_between(_normals(mesh, faces))) > angle
-    if not _makes_facets(mesh, marked, side):
+    bends = np.abs(mesh.angles_between(_normals(mesh, faces)))
+    between = np.flatnonzero(bends > FLAT)
+    is_coarse = len(between) > 0 and COARSE < np.median(bends[between]) < angle and _makes_facets(mesh, between, side)
+    sharp = bends > (max(angle, SHARPEST) if is_coarse else angle)
+    if not _makes_facets(mesh, np.asarray(marked, int), side):
         sharp[np.asarray(marked, int)] = True
     sharp[mesh.boundary_edges] = True
     edges = np.flatnonzero(sharp)
@@ -60,11 +67,11 @@ def feature_edges(
     return edges
 
 
-def _makes_facets(mesh: TriangleMesh, marked: ArrayLike, side: float | np.ndarray) -> bool:
-    """Whether marked edges leave more than half of a surface in parts with room for few quads."""
-    is_marked = np.zeros(len(mesh.edges), bool)
-    is_marked[np.asarray(marked, int)] = True
-    halves = np.flatnonzero((mesh.twins >= 0) & ~is_marked[mesh.triangle_edges.ravel()])
+def _makes_facets(mesh: TriangleMesh, edges: np.ndarray, side: float | np.ndarray) -> bool:
+    """Whether edges leave more than half of a surface in parts with room for few quads."""
+    divides = np.zeros(len(mesh.edges), bool)
+    divides[edges] = True
+    halves = np.flatnonzero((mesh.twins >= 0) & ~divides[mesh.triangle_edges.ravel()])
     parts = components(mesh.triangle_count, np.column_stack([halves, mesh.twins[halves]]) // 3)
     quads = mesh.areas / np.broadcast_to(side, mesh.vertex_count)[mesh.triangles].mean(axis=1) ** 2
     is_small = np.bincount(parts, quads)[parts] < FEWEST_QUADS

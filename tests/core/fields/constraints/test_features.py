@@ -11,7 +11,7 @@ from synch_fields.core.geometry import TriangleMesh
 
 from ...direction_wishes import boundary_row
 from ...flat_crosses import plane_crosses
-from ...meshes import annulus, bent_square, cube, icosphere, square, torus
+from ...meshes import annulus, bent_square, cube, grid_quads, icosphere, split_quads, square, subdivided, torus
 from ...sharp_shapes import ANGLE, chamfered_cube, flat_cells, plate, polygon
 
 
@@ -53,6 +53,25 @@ def test_marks_of_a_mesh_that_is_shown_flat_are_no_features_but_of_facets_that_q
     heights = mesh.vertices[:, 2] - (mesh.vertices[:, 2].min() + mesh.vertices[:, 2].max()) / 2
     loop = np.flatnonzero(np.abs(heights[mesh.edges]).max(axis=1) < 1e-9)
     assert set(loop) <= set(feature_edges(mesh, ANGLE, length, loop))
+
+
+def test_on_a_round_body_of_few_polygons_only_right_angles_are_sharp():
+    # Twelve sides that bend by about 28 degrees, by 50 at the waist and by 115 at the rims.
+    angles = np.arange(12) * np.pi / 6
+    heights = np.linspace(-1, 1, 5)
+    x, y, z = np.cos(angles), np.sin(angles), np.ones(12)
+    radii = 0.534 + 0.466 * np.abs(heights)
+    rings = [np.column_stack([radius * x, radius * y, h * z]) for radius, h in zip(radii, heights, strict=True)]
+    quads = grid_quads(4, 12, wrap_rows=True)[:, ::-1]
+    rim = np.column_stack([np.arange(12), np.roll(np.arange(12), -1)])
+    caps = [np.column_stack([rim[:, ::-1], np.full(12, 60)]), np.column_stack([rim + 48, np.full(12, 61)])]
+    coarse = TriangleMesh(np.vstack([*rings, (0, 0, -1), (0, 0, 1)]), np.vstack([split_quads(quads), *caps]))
+    mesh = subdivided(subdivided(coarse))
+    heights = np.abs(mesh.vertices[mesh.edges][:, :, 2])
+    features = feature_edges(mesh, ANGLE, 0.2)
+    assert len(features) == 24 * 4 and (heights[features] == 1).all()
+    with_waist = feature_edges(mesh, ANGLE, 0.05)
+    assert len(with_waist) == 36 * 4 and set(np.unique(heights[with_waist])) == {0, 1}
 
 
 def test_as_many_quads_fit_at_a_corner_as_there_are_right_angles():
