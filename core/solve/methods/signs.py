@@ -35,8 +35,9 @@ class Flips:
         self._diagonal = matrix.diagonal()
         entries = matrix.tocoo()
         above = entries.row < entries.col
-        self._edges = entries.row[above], entries.col[above], entries.data[above][:, None]
-        self._weight = np.abs(entries.data[above]).mean()
+        weights = entries.data[above]
+        self._edges = entries.row[above], entries.col[above], weights[:, None]
+        self._weight = np.abs(weights).mean() if len(weights) else 1.0
         # The nodes of an independent set have no edges to one another and can flip at the same time.
         classes = [np.flatnonzero(members) for members in _independent_sets(matrix)]
         self._classes = [(nodes, matrix[nodes], self._diagonal[nodes][:, None]) for nodes in classes]

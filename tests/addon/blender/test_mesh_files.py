@@ -41,7 +41,7 @@ def test_sharp_edges_that_normals_mark_stay(tmp_path, suffix):
 
 
 @pytest.mark.any_surface
-@pytest.mark.parametrize(("suffix", "faces"), zip(EXPORTERS, (300, 1000), strict=True))
+@pytest.mark.parametrize(("suffix", "faces"), tuple(zip(EXPORTERS, (300, 1000), strict=True)))
 def test_a_flat_ball_from_a_file_gets_the_quads_of_a_smooth_one(tmp_path, suffix, faces):
     sphere(4).data.shade_flat()
     EXPORTERS[suffix](str(tmp_path / f"ball{suffix}"))

@@ -44,7 +44,7 @@ def world_gradients(obj):
 
 
 @pytest.mark.parametrize(
-    ("transform", "symmetry"), zip(TRANSFORMS, ("VECTOR", "LINE", "VECTOR", "LINE", "VECTOR"), strict=True)
+    ("transform", "symmetry"), tuple(zip(TRANSFORMS, ("VECTOR", "LINE", "VECTOR", "LINE", "VECTOR"), strict=True))
 )
 def test_flat_stripes_have_exactly_the_spacing_in_scene_units(transform, symmetry):
     obj = grid()

@@ -39,7 +39,7 @@ def on_curve(obj, points):
     return np.array(values)
 
 
-@pytest.mark.parametrize(("source", "degrees"), zip(SOURCES, (0, 180, 0), strict=True))
+@pytest.mark.parametrize(("source", "degrees"), tuple(zip(SOURCES, (0, 180, 0), strict=True)))
 def test_a_slanted_stroke_carries_a_stripe_between_the_vertices(source, degrees):
     obj = sheet()
     ends = np.array([(-0.5, -0.6, 0), (0.3, 0.6, 0)])
