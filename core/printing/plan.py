@@ -12,7 +12,7 @@ from ..errors import SettingError
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.lines.isolines import Isolines
 from ..geometry.tet_mesh import TetMesh
-from ..graphs import pairs_within, ragged_arange
+from ..graphs import pairs_within
 from .beads import Beads
 from .coverage import even_along, point_lengths
 from .flat import flat_below, is_flat
@@ -20,6 +20,7 @@ from .gcode import GAP, INNER, SPARSE, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
 from .order import carrying_pairs, count_levels, layer_order, order_lines
+from .overlaps import divide_lines, inside_earlier
 from .ramps import Sheets, split_lines
 from .reach import collisions, tilts, tool_axes
 
@@ -220,7 +221,7 @@ def print_plan(
     on_bed = (found.layers < 0) & (feet < _ON_BED * spacing)
     ranks = rank[sheets[made.numbers]]
     overhangs = (rank[lower] > ranks) & ~on_bed
-    overhangs &= ~_leaning(places, made.next, ranks, overhangs, _LEAN * spacing)
+    overhangs &= ~_leaning(made, places, ranks, overhangs, _LEAN * spacing)
     scaled = replace(
         machine,
         nozzle_radius=machine.nozzle_radius / machine.scale,
@@ -229,7 +230,11 @@ def print_plan(
     lengths, volume = point_lengths(made), float(solid.volumes.sum())
     ways = _own_ways(found, over, lengths * widths, volume, spacing)
     down, up = (np.maximum(even_along(made, lengths * way, step), 0) for way in ways)
-    met = collisions(places + up[:, None] * normals, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
+    axes = tool_axes(normals, machine)
+    if not flat:
+        is_inside = inside_earlier(made, places + up[:, None] * normals, axes, widths, down + up, step)
+        down[is_inside] = up[is_inside] = 0
+    met = collisions(places + up[:, None] * normals, axes, scaled, step, _SLACK * spacing)
     return PrintPlan(
         made, layers[chosen], sheets, count_levels(order, carried, carrying)[sheets], widths, found, down, up,
         kinds[chosen], volume, matrix, machine, step, spacing, beads.covered, beads.covered_share, overhangs, met,
@@ -254,15 +259,11 @@ def _own_ways(below: Below, above: Below, areas: np.ndarray, volume: float, spac
     return [way + share * end for way, end in zip(ways, outside, strict=True)]
 
 
-def _leaning(
-    points: np.ndarray, following: np.ndarray, ranks: np.ndarray, asked: np.ndarray, reach: float
-) -> np.ndarray:
+def _leaning(lines: Isolines, points: np.ndarray, ranks: np.ndarray, asked: np.ndarray, reach: float) -> np.ndarray:
     """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach."""
     result, here = np.zeros(len(points), bool), np.flatnonzero(asked)
-    counts = np.maximum(np.ceil(4 / reach * np.linalg.norm(points[following] - points, axis=1)).astype(int), 1)
-    piece, place = ragged_arange(counts)
-    ways = (points[following] - points)[piece]
-    tree = cKDTree(points[piece] + (place / counts[piece])[:, None] * ways)
+    piece, places = divide_lines(lines, points, reach / 4)
+    tree = cKDTree(places)
     for part in np.array_split(here, len(here) // _BATCH + 1):
         which, other = pairs_within(tree, points[part], reach)
         result[part[which[ranks[piece[other]] < ranks[part[which]]]]] = True
