@@ -12,7 +12,7 @@ from ..graphs import pairs_within, ragged_arange
 _PIECE = 0.25
 # A tip is inside where it is this far below the top and from the sides, in half heights and half widths.
 _INSIDE = 0.1
-# Points that are looked at together.
+# Pieces that are looked at together.
 _BATCH = 4096
 
 
@@ -41,21 +41,24 @@ def inside_earlier(
     piece, places = divide_lines(lines, tips, _PIECE * step)
     middles = places - heights[piece, None] / 2 * normals[piece]
     numbers = lines.numbers
-    tree = cKDTree(middles)
-    reach = float(np.hypot(widths, heights).max(initial=0)) / 2
-    points, others = [], []
-    for part in np.array_split(np.arange(len(tips)), len(tips) // _BATCH + 1):
-        which, near = pairs_within(tree, tips[part], reach)
-        which, other = part[which], piece[near]
-        away = tips[which] - middles[near]
+    reaches = np.hypot(widths, heights)[piece] / 2
+    tree, points, others = cKDTree(tips), [], []
+    for part in np.array_split(np.arange(len(piece)), len(piece) // _BATCH + 1):
+        which, point = pairs_within(tree, middles[part], reaches[part])
+        which = part[which]
+        other = piece[which]
+        away = tips[point] - middles[which]
         up = np.einsum("kx,kx->k", away, normals[other])
         aside = np.linalg.norm(away - up[:, None] * normals[other], axis=1)
-        is_inside = (numbers[other] < numbers[which]) & (np.abs(up) < (1 - _INSIDE) * heights[other] / 2)
+        is_inside = (numbers[other] < numbers[point]) & (np.abs(up) < (1 - _INSIDE) * heights[other] / 2)
         is_inside &= aside < (1 - _INSIDE) * widths[other] / 2
-        points.append(which[is_inside])
+        points.append(point[is_inside])
         others.append(other[is_inside])
+    order = np.argsort(np.concatenate(points), kind="stable")
     result = np.zeros(len(tips), bool)
     # A bead that is itself left out fills nothing.
-    for point, other in zip(np.concatenate(points).tolist(), np.concatenate(others).tolist(), strict=True):
+    for point, other in zip(
+        np.concatenate(points)[order].tolist(), np.concatenate(others)[order].tolist(), strict=True
+    ):
         result[point] |= not result[other]
     return result

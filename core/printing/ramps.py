@@ -9,9 +9,9 @@ dislocation; it is cut where they are half way between two sheets.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import cg
 from scipy.spatial import cKDTree
 
 from ..extract.layers.surfaces import LayerSurfaces
@@ -22,6 +22,8 @@ from .order import carrying_pairs
 
 # Weight w of edges, and of what holds levels where nothing lies below or above.
 _ALONG, _FREE = 10.0, 1e-6
+# Levels are told apart by whole numbers.
+_EXACT = 1e-6
 # A layer that lies upon itself is a ramp where its levels differ by more. Shorter parts of lines on another sheet, in
 # steps, stay with what is beside them.
 _RAMP, _SHORT = 0.75, 1.5
@@ -108,9 +110,10 @@ def _levels(count: int, carried: np.ndarray, carrying: np.ndarray, edges: np.nda
     rows = np.concatenate([i, j, i, j, np.arange(count)])
     columns = np.concatenate([i, j, j, i, np.arange(count)])
     values = np.concatenate([weights, weights, -weights, -weights, np.full(count, _FREE)])
-    matrix = coo_matrix((values, (rows, columns)), shape=(count, count)).tocsc()
+    matrix = coo_matrix((values, (rows, columns)), shape=(count, count)).tocsr()
     right = np.bincount(i, weights * rises, count) - np.bincount(j, weights * rises, count)
-    return spsolve(matrix, right)
+    # Layers upon one another are as wide a graph as a solid, of which a factorization takes gigabytes.
+    return cg(matrix, right, rtol=_EXACT, M=diags_array(1 / matrix.diagonal()))[0]
 
 
 def split_lines(lines: Isolines, sheets: np.ndarray, step: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
