@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Beads inside of others, where sheets of layers end beside one another or lie on themselves."""
+"""Parts of beads that are left out: inside of earlier ones, and ends that cannot be reached through these.
+
+There are such parts where sheets of curved layers run into one another. A bead is a box below its tip, along the tool.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,9 +15,11 @@ from ..graphs import pairs_within, ragged_arange
 
 # Pieces of beads that are looked at are as long as this share of the distance of lines.
 _PIECE = 0.25
-# A tip is inside where it is this far below the top and from the sides, in half heights and half widths.
+# A place is inside where it is this far from the top and the sides, in half heights and half widths.
 _INSIDE = 0.1
-# Pieces that are looked at together.
+# Where the tip is on its way to and from the end of a bead, in distances of lines along the tool.
+_WAY = np.arange(1, 17) / 8
+# Points that are looked at together.
 _BATCH = 4096
 
 
@@ -24,41 +31,54 @@ def divide_lines(lines: Isolines, points: np.ndarray, size: float) -> tuple[np.n
     return piece, points[piece] + (place / counts[piece])[:, None] * ways[piece]
 
 
-def inside_earlier(
-    lines: Isolines, tips: np.ndarray, normals: np.ndarray, widths: np.ndarray, heights: np.ndarray, step: float
+def find_overlaps(
+    lines: Isolines, tips: np.ndarray, tools: np.ndarray, widths: np.ndarray, heights: np.ndarray, step: float
 ) -> np.ndarray:
-    """(n,) bool: points whose tip is inside the bead of an earlier line, which has been printed there.
-
-    A bead is a box below its tip, along its normal.
+    """(n,) bool: points whose tip is inside the bead of an earlier line, and ends of the rest whose tip comes through
+    one on its way along the tool.
 
     Parameters
     ----------
     lines : Isolines in the order in which they are printed
-    tips, normals : (n, 3) at their points
+    tips, tools : (n, 3) at their points, and unit vectors from the tip into the tool
     widths, heights : (n,) of the beads
     step : distance of lines
     """
-    piece, places = divide_lines(lines, tips, _PIECE * step)
-    middles = places - heights[piece, None] / 2 * normals[piece]
-    numbers = lines.numbers
-    reaches = np.hypot(widths, heights)[piece] / 2
-    tree, points, others = cKDTree(tips), [], []
-    for part in np.array_split(np.arange(len(piece)), len(piece) // _BATCH + 1):
-        which, point = pairs_within(tree, middles[part], reaches[part])
-        which = part[which]
-        other = piece[which]
-        away = tips[point] - middles[which]
-        up = np.einsum("kx,kx->k", away, normals[other])
-        aside = np.linalg.norm(away - up[:, None] * normals[other], axis=1)
-        is_inside = (numbers[other] < numbers[point]) & (np.abs(up) < (1 - _INSIDE) * heights[other] / 2)
-        is_inside &= aside < (1 - _INSIDE) * widths[other] / 2
-        points.append(point[is_inside])
-        others.append(other[is_inside])
-    order = np.argsort(np.concatenate(points), kind="stable")
+    piece, tops = divide_lines(lines, tips, _PIECE * step)
+    middles, numbers = tops - heights[piece, None] / 2 * tools[piece], lines.numbers
+    tree, reach = cKDTree(middles), float(np.hypot(widths, heights).max(initial=0)) / 2
+
+    def pairs(points: np.ndarray, places: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Points, and those of earlier lines whose beads their places are inside of; points ascend."""
+        for part in np.array_split(np.arange(len(points)), len(points) // _BATCH + 1):
+            row, near = pairs_within(tree, places[part], reach)
+            row, other = part[row], piece[near]
+            away = places[row] - middles[near]
+            up = np.einsum("kx,kx->k", away, tools[other])
+            aside = np.linalg.norm(away - up[:, None] * tools[other], axis=1)
+            is_inside = (numbers[other] < numbers[points[row]]) & (2 * np.abs(up) < (1 - _INSIDE) * heights[other])
+            is_inside &= 2 * aside < (1 - _INSIDE) * widths[other]
+            yield points[row[is_inside]], other[is_inside]
+
     result = np.zeros(len(tips), bool)
-    # A bead that is itself left out fills nothing.
-    for point, other in zip(
-        np.concatenate(points)[order].tolist(), np.concatenate(others)[order].tolist(), strict=True
-    ):
-        result[point] |= not result[other]
-    return result
+    # A bead that is itself left out fills nothing, and bars no way.
+    for found in pairs(np.arange(len(tips)), tips):
+        for point, other in zip(*(one.tolist() for one in found), strict=True):
+            result[point] |= not result[other]
+    while True:
+        ends = np.repeat(_ends(lines, ~result), len(_WAY))
+        ways = np.tile(_WAY * step, len(ends) // len(_WAY))[:, None] * tools[ends]
+        barred = [point[~result[other]] for point, other in pairs(ends, tips[ends] + ways)]
+        if not any(len(some) for some in barred):
+            return result
+        result[np.concatenate(barred)] = True
+
+
+def _ends(lines: Isolines, kept: np.ndarray) -> np.ndarray:
+    """Points at which the (n,) kept parts of lines begin and end, and where closed lines begin."""
+    following = lines.next
+    before = np.arange(len(following))
+    before[following] = np.arange(len(following))
+    is_end = ~kept[before] | ~kept[following] | (following == np.arange(len(following)))
+    is_end[lines.starts] = True
+    return np.flatnonzero(kept & is_end)

@@ -20,7 +20,7 @@ from .gcode import GAP, INNER, SPARSE, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
 from .order import carrying_pairs, count_levels, layer_order, order_lines
-from .overlaps import divide_lines, inside_earlier
+from .overlaps import divide_lines, find_overlaps
 from .ramps import Sheets, split_lines
 from .reach import collisions, tilts, tool_axes
 
@@ -228,12 +228,16 @@ def print_plan(
         nozzle_length=machine.nozzle_length / machine.scale,
     )
     lengths, volume = point_lengths(made), float(solid.volumes.sum())
-    ways = _own_ways(found, over, lengths * widths, volume, spacing)
-    down, up = (np.maximum(even_along(made, lengths * way, step), 0) for way in ways)
     axes = tool_axes(normals, machine)
+
+    def reaches(lengths: np.ndarray) -> list[np.ndarray]:
+        ways = _own_ways(found, over, lengths * widths, volume, spacing)
+        return [np.maximum(even_along(made, lengths * way, step), 0) for way in ways]
+
+    down, up = reaches(lengths)
     if not flat:
-        is_inside = inside_earlier(made, places + up[:, None] * normals, axes, widths, down + up, step)
-        down[is_inside] = up[is_inside] = 0
+        overlaps = find_overlaps(made, places + up[:, None] * normals, axes, widths, down + up, step)
+        down, up = (np.where(overlaps, 0, way) for way in reaches(np.where(overlaps, 0, lengths)))
     met = collisions(places + up[:, None] * normals, axes, scaled, step, _SLACK * spacing)
     return PrintPlan(
         made, layers[chosen], sheets, count_levels(order, carried, carrying)[sheets], widths, found, down, up,

@@ -6,7 +6,14 @@ import numpy as np
 
 from synch_fields.core.extract.lines.isolines import End, Isolines
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.printing.overlaps import inside_earlier
+from synch_fields.core.printing.overlaps import find_overlaps
+
+
+def lines_at(flat, sizes):
+    """Open lines through (n, 2) places."""
+    mesh = TriangleMesh([(0, 0, 0), (10, 0, 0), (0, 10, 0)], [(0, 1, 2)])
+    weights = np.column_stack([1 - flat.sum(axis=1) / 10, flat / 10])
+    return Isolines(mesh, np.zeros(len(flat), int), weights, np.array(sizes), np.full((len(sizes), 2), End.BOUNDARY))
 
 
 def test_what_lies_inside_an_earlier_bead_is_found_and_fills_nothing_itself():
@@ -15,23 +22,46 @@ def test_what_lies_inside_an_earlier_bead_is_found_and_fills_nothing_itself():
     flat = np.concatenate([
         np.column_stack([along, np.ones(81)]), *[np.column_stack([np.full(41, 2.0), across])] * 2
     ])  # fmt: skip
-    mesh = TriangleMesh([(0, 0, 0), (10, 0, 0), (0, 10, 0)], [(0, 1, 2)])
-    weights = np.column_stack([1 - flat.sum(axis=1) / 10, flat / 10])
     sizes = np.array([81, 41, 41])
-    lines = Isolines(mesh, np.zeros(163, int), weights, sizes, np.full((3, 2), End.BOUNDARY))
-    normals, one = np.tile([0.0, 0, 1], (163, 1)), np.ones(163)
+    lines = lines_at(flat, sizes)
+    up, one = np.tile([0.0, 0, 1], (163, 1)), np.ones(163)
 
-    def found(*heights):
+    def found(*heights, tools=up):
         tips = np.column_stack([flat, np.repeat(heights, sizes)])
-        return np.split(inside_earlier(lines, tips, normals, 0.5 * one, 0.4 * one, 0.4), np.cumsum(sizes)[:-1])
+        return np.split(find_overlaps(lines, tips, tools, 0.5 * one, 0.4 * one, 0.4), np.cumsum(sizes)[:-1])
 
-    # The second one is as high as the first nearly; the third lies below the first, but not below the second, which is
+    # The second one is as high as the first nearly. The third lies below the first, but not below the second, which is
     # left out at the crossing.
-    first, second, third = found(0.4, 0.35, 0.0)
     crossing = np.abs(across - 1)
+    first, second, third = found(0.4, 0.35, 0.0, tools=np.where(np.arange(163) < 122, 1, -1)[:, None] * up)
     assert not first.any()
     np.testing.assert_array_equal(second, crossing < 0.225)
     np.testing.assert_array_equal(third, crossing > 0.01)
+    # With the tool above it, the tip would come there through the first one.
+    assert found(0.4, 0.35, 0.0)[2].all()
     # Layers upon each other are not inside.
     assert not np.concatenate(found(0.4, 0.8, 1.2)).any()
-    assert not np.concatenate(found(0.4, 0.39, 0.8)[:2]).any()
+    assert not found(0.4, 0.39, 0.8)[1].any()
+
+
+def test_ends_that_lie_below_an_earlier_bead_are_left_out_up_to_where_the_way_is_free():
+    """Two beads one above the other, of which the lower one comes second: it ends where the upper one begins."""
+    along = np.linspace(0, 4, 81)
+    flat = np.concatenate([np.column_stack([along[20:61], np.ones(41)]), np.column_stack([along, np.ones(81)])])
+    tips = np.column_stack([flat, np.repeat([1.5, 0.5], [41, 81])])
+    up, one = np.tile([0.0, 0, 1], (122, 1)), np.ones(122)
+
+    def found(chosen):
+        return find_overlaps(
+            lines_at(flat[chosen], [41, chosen[41:].sum()]),
+            tips[chosen],
+            up[chosen],
+            0.5 * one[chosen],
+            0.4 * one[chosen],
+            0.8,
+        )
+
+    # Both ends are beside the upper one, what is between stays; cut short below it, it is left out from there on.
+    assert not found(np.ones(122, bool)).any()
+    chosen = np.append(np.ones(41, bool), along < 2)
+    np.testing.assert_array_equal(np.flatnonzero(found(chosen)), 41 + np.flatnonzero((along > 0.775) & (along < 2)))
