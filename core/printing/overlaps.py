@@ -65,8 +65,11 @@ def find_overlaps(
     for found in pairs(np.arange(len(tips)), tips):
         for point, other in zip(*(one.tolist() for one in found), strict=True):
             result[point] |= not result[other]
+    is_tried = np.zeros(len(tips), bool)
     while True:
-        ends = np.repeat(_ends(lines, ~result), len(_WAY))
+        ends = _ends(lines, ~result)
+        ends = np.repeat(ends[~is_tried[ends]], len(_WAY))
+        is_tried[ends] = True
         ways = np.tile(_WAY * step, len(ends) // len(_WAY))[:, None] * tools[ends]
         barred = [point[~result[other]] for point, other in pairs(ends, tips[ends] + ways)]
         if not any(len(some) for some in barred):
