@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.sparse import block_diag, bsr_matrix, diags_array
+from scipy.sparse import block_diag, bsr_matrix, coo_array, diags_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import eigsh
 
@@ -51,7 +51,9 @@ def node_blocks(matrix, block):
 
 def diagonal_of(units):
     """The sparse matrix that multiplies every node's rows by its unit."""
-    return diags_array(units).tocsr() if units.ndim == 1 else block_diag(list(units), format="csr")
+    return (
+        diags_array(units).tocsr() if units.ndim == 1 else block_diag([coo_array(unit) for unit in units], format="csr")
+    )
 
 
 def flat_laplacian(group, mesh, random):

@@ -130,7 +130,7 @@ def test_details_of_curvature_fade_as_diffusion_says(detail):
     inside = np.abs(heights - heights.mean()) < height / 2 - 2 * detail - 0.1
     found = [np.sqrt(principal_directions(mesh, 2, detail=length)[1] / mesh.vertex_masses) for length in (0.0, detail)]
     shapes = np.column_stack([np.ones(inside.sum()), np.cos(number * heights[inside])])
-    (mean, wave), (smooth_mean, smooth_wave) = (np.linalg.lstsq(shapes, part[inside])[0] for part in found)
+    (mean, wave), (smooth_mean, smooth_wave) = (np.linalg.lstsq(shapes, part[inside], rcond=None)[0] for part in found)
     assert smooth_wave / wave == pytest.approx(1 / (1 + (detail * number) ** 2), rel=0.1)
     assert (mean, smooth_mean) == pytest.approx((1, 1), rel=0.02)
 
