@@ -102,6 +102,11 @@ class PrintPlan:
         return self.down + self.up
 
     @cached_property
+    def is_printed(self) -> np.ndarray:
+        """(n,) bool: where beads have a height."""
+        return self.heights > _NO_HEIGHT * self.spacing
+
+    @cached_property
     def tips(self) -> np.ndarray:
         """(n, 3) of the nozzle in the world, at the top of the bead."""
         return self.places + self.up[:, None] * self.normals
@@ -135,10 +140,10 @@ class PrintPlan:
         points = (self.tips - self.lowest) * machine.scale
         runs, of = [], []
         for number, run in enumerate(self.lines.runs):
-            thick = heights[run] > _NO_HEIGHT * self.spacing
-            cuts = np.flatnonzero(np.diff(thick)) + 1
-            for piece, is_thick in zip(np.split(run, cuts), thick[np.append(0, cuts)], strict=True):
-                if is_thick and len(piece) > 1:
+            printed = self.is_printed[run]
+            cuts = np.flatnonzero(np.diff(printed)) + 1
+            for piece, is_printed in zip(np.split(run, cuts), printed[np.append(0, cuts)], strict=True):
+                if is_printed and len(piece) > 1:
                     runs.append(piece)
                     of.append(number)
         if not runs:

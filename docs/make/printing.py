@@ -91,7 +91,8 @@ def beads_object(plan, share, spacing):
     for line in np.flatnonzero(lengths <= share * lengths[-1]):
         rows = slice(lines.starts[line], lines.starts[line] + lines.sizes[line])
         heights = np.minimum(plan.heights[rows], HEIGHTS[1] * spacing)
-        ring = rings(plan.tips[rows], plan.normals[rows], plan.widths[rows], heights, lines.closed[line])
+        widths = np.where(plan.is_printed, plan.widths, 0)[rows]
+        ring = rings(plan.tips[rows], plan.normals[rows], widths, heights, lines.closed[line])
         faces += tube(len(ring), lines.closed[line], sum(map(len, points)))
         points.append(ring.reshape(-1, 3))
         values.append(np.repeat(plan.heights[rows] / spacing, AROUND))

@@ -95,7 +95,9 @@ def _rings(plan):
     sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
     turn = 2 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
     across, upwards = (np.sign(v) * np.abs(v) ** _SQUARE for v in (np.cos(turn), np.sin(turn)))
-    offsets = _GAP / 2 * plan.widths[:, None, None] * across[:, None] * sides[:, None]
+    # Where nothing is printed, the tube is a thread.
+    widths = np.where(plan.is_printed, plan.widths, 0)
+    offsets = _GAP / 2 * widths[:, None, None] * across[:, None] * sides[:, None]
     offsets = offsets + (plan.heights[:, None] / 2 * (_GAP * upwards - 1))[..., None] * normals[:, None]
     return places[:, None] + offsets
 

@@ -49,7 +49,8 @@ def print_facts(plan):
     """Figures and warnings of a :class:`PrintPlan`, ready for JSON; shares are of the length of all paths."""
     machine = plan.machine
     heights, worst = plan.heights * machine.scale, int(plan.covered.argmin())
-    thin, thick = heights < machine.smallest_height, heights > machine.largest_height
+    thin = plan.is_printed & (heights < machine.smallest_height)
+    thick = heights > machine.largest_height
     steep = plan.tilts > machine.largest_tilt
     facts = {
         "volume": {"solid": plan.volume, "beads": plan.printed_volume, "share": plan.printed_volume / plan.volume},
