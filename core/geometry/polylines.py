@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Polylines: lengths, and values at some distance along them."""
+"""Polylines: lengths, places along them, and values there."""
 
 import math
 from collections.abc import Sequence
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import SettingError
+from ..graphs import ragged_arange
 
 # Each place takes one to ten microseconds and some hundred bytes.
 MOST_PLACES = 1_000_000
@@ -75,3 +76,16 @@ def resample_polyline(points: np.ndarray, step: float) -> np.ndarray:
     """Resample a polyline, (p, 3), evenly and at most a step apart."""
     length = polyline_length(points)
     return places_at(points, np.linspace(0, length, max(int(np.ceil(length / step)), 1) + 1))
+
+
+def divide_pieces(begins: np.ndarray, ends: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places along straight pieces between (n, 3) points, at most a size apart, from each begin on, without its end.
+
+    Returns
+    -------
+    (k,) the piece of each place, and (k, 3) places
+    """
+    ways = ends - begins
+    counts = np.maximum(np.ceil(np.linalg.norm(ways, axis=1) / size).astype(int), 1)
+    piece, place = ragged_arange(counts)
+    return piece, begins[piece] + (place / counts[piece])[:, None] * ways[piece]

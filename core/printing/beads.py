@@ -148,9 +148,8 @@ def _moved_apart(
     moved = np.flatnonzero((way >= _CROWDED) & (way < 0.5) & (away < (way + _OTHER) * step))
     if not len(moved):
         return lines, halves
-    points, following, before = lines.points, lines.next, np.arange(len(halves))
-    before[following] = np.arange(len(halves))
-    sides = np.cross(lines.normals[moved], (points[following] - points[before])[moved])
+    points = lines.points
+    sides = np.cross(lines.normals[moved], (points[lines.next] - points[lines.previous])[moved])
     sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
     sides *= np.sign(np.einsum("kx,kx->k", sides, points[moved] - begins[nearest[moved]]))[:, None]
     ways_on = step * (0.5 - way[moved]) / 2

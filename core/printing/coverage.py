@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from ..algebra.workers import WORKERS
 from ..extract.lines.isolines import Isolines
 from ..geometry import TriangleMesh
+from ..geometry.polylines import divide_pieces
 from ..graphs import ragged_arange
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
@@ -37,9 +38,7 @@ class BeadDistances:
     """
 
     def __init__(self, begins: np.ndarray, ends: np.ndarray, layers: np.ndarray, step: float) -> None:
-        counts = np.maximum(np.ceil(np.linalg.norm(ends - begins, axis=1) * _PARTS / step).astype(int), 1)
-        piece, place = ragged_arange(counts)
-        points = begins[piece] + (place / counts[piece])[:, None] * (ends - begins)[piece]
+        piece, points = divide_pieces(begins, ends, step / _PARTS)
         points, layers = np.concatenate([points, ends]), np.concatenate([layers[piece], layers])
         self._pieces = np.append(piece, np.arange(len(ends)))
         # Layers are far apart along a fourth axis.

@@ -11,7 +11,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..extract.lines.isolines import Isolines
-from ..graphs import pairs_within, ragged_arange
+from ..geometry.polylines import divide_pieces
+from ..graphs import pairs_within
 
 # Pieces of beads that are looked at are as long as this share of the distance of lines.
 _PIECE = 0.25
@@ -21,14 +22,6 @@ _INSIDE = 0.1
 _WAY = np.arange(1, 17) / 8
 # Points that are looked at together.
 _BATCH = 4096
-
-
-def divide_lines(lines: Isolines, points: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places at most a size apart along lines: (k,) the point that each comes after, and (k, 3)."""
-    ways = points[lines.next] - points
-    counts = np.maximum(np.ceil(np.linalg.norm(ways, axis=1) / size).astype(int), 1)
-    piece, place = ragged_arange(counts)
-    return piece, points[piece] + (place / counts[piece])[:, None] * ways[piece]
 
 
 def find_overlaps(
@@ -44,12 +37,13 @@ def find_overlaps(
     widths, heights : (n,) of the beads
     step : distance of lines
     """
-    piece, tops = divide_lines(lines, tips, _PIECE * step)
+    piece, tops = divide_pieces(tips, tips[lines.next], _PIECE * step)
     middles, numbers = tops - heights[piece, None] / 2 * tools[piece], lines.numbers
     tree, reach = cKDTree(middles), float(np.hypot(widths, heights).max(initial=0)) / 2
 
     def pairs(points: np.ndarray, places: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Points, and those of earlier lines whose beads their places are inside of; points ascend."""
+        """Each pair of a point and a point of an earlier line whose bead contains the first one's place, in order of
+        the first."""
         for part in np.array_split(np.arange(len(points)), len(points) // _BATCH + 1):
             row, near = pairs_within(tree, places[part], reach)
             row, other = part[row], piece[near]
@@ -79,9 +73,7 @@ def find_overlaps(
 
 def _ends(lines: Isolines, kept: np.ndarray) -> np.ndarray:
     """Points at which the (n,) kept parts of lines begin and end, and where closed lines begin."""
-    following = lines.next
-    before = np.arange(len(following))
-    before[following] = np.arange(len(following))
-    is_end = ~kept[before] | ~kept[following] | (following == np.arange(len(following)))
+    following, before = lines.next, lines.previous
+    is_end = ~kept[before] | ~kept[following] | (following == np.arange(len(kept)))
     is_end[lines.starts] = True
     return np.flatnonzero(kept & is_end)

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from ..errors import SettingError
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.lines.isolines import Isolines
+from ..geometry.polylines import divide_pieces
 from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within
 from .beads import Beads
@@ -20,7 +21,7 @@ from .gcode import GAP, INNER, SPARSE, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
 from .order import carrying_pairs, count_levels, layer_order, order_lines
-from .overlaps import divide_lines, find_overlaps
+from .overlaps import find_overlaps
 from .ramps import Sheets, split_lines
 from .reach import collisions, tilts, tool_axes
 
@@ -271,7 +272,7 @@ def _own_ways(below: Below, above: Below, areas: np.ndarray, volume: float, spac
 def _leaning(lines: Isolines, points: np.ndarray, ranks: np.ndarray, asked: np.ndarray, reach: float) -> np.ndarray:
     """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach."""
     result, here = np.zeros(len(points), bool), np.flatnonzero(asked)
-    piece, places = divide_lines(lines, points, reach / 4)
+    piece, places = divide_pieces(points, points[lines.next], reach / 4)
     tree = cKDTree(places)
     for part in np.array_split(here, len(here) // _BATCH + 1):
         which, other = pairs_within(tree, points[part], reach)

@@ -87,11 +87,7 @@ def _colors(values, look):
 def _rings(plan):
     """(n, _AROUND, 3) points around the beads, whose upper sides are at the tips."""
     lines, places, normals = plan.lines, plan.tips, plan.normals
-    following, before = lines.next, np.arange(len(places))
-    before[following] = np.arange(len(places))
-    starts = lines.starts[~lines.closed]
-    before[starts] = starts
-    sides = np.cross(normals, places[following] - places[before])
+    sides = np.cross(normals, places[lines.next] - places[lines.previous])
     sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
     turn = 2 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
     across, upwards = (np.sign(v) * np.abs(v) ** _SQUARE for v in (np.cos(turn), np.sin(turn)))

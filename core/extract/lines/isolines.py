@@ -81,6 +81,13 @@ class Isolines:
         return following
 
     @property
+    def previous(self) -> np.ndarray:
+        """(n,) the point before each one: the last before the first of a closed line, itself at the begin of others."""
+        before = np.arange(-1, len(self.triangles) - 1)
+        before[self.starts] = np.where(self.closed, self.starts + self.sizes - 1, self.starts)
+        return before
+
+    @property
     def runs(self) -> list[np.ndarray]:
         """(k,) points of each line; a closed line ends with its first point again."""
         lines = zip(self.starts, self.sizes, self.closed, strict=True)

@@ -48,14 +48,16 @@ def feature_edges(
     marked : indices of further sharp edges
     faces : (m,) the input polygon of each triangle, within which nothing is sharp
 
-    Where ``marked`` edges divide most of the surface into facets they are ignored: its shading is flat.
+    Where ``marked`` edges divide most of the surface into facets, they are ignored: the surface is shaded flat. On a
+    round body of few polygons the angle is at least :data:`SHARPEST`.
     """
+    marked = np.asarray(marked, int)
     bends = np.abs(mesh.angles_between(_normals(mesh, faces)))
     between = np.flatnonzero(bends > FLAT)
     is_coarse = len(between) > 0 and COARSE < np.median(bends[between]) < angle and _makes_facets(mesh, between, side)
     sharp = bends > (max(angle, SHARPEST) if is_coarse else angle)
-    if not _makes_facets(mesh, np.asarray(marked, int), side):
-        sharp[np.asarray(marked, int)] = True
+    if not _makes_facets(mesh, marked, side):
+        sharp[marked] = True
     sharp[mesh.boundary_edges] = True
     edges = np.flatnonzero(sharp)
     lengths = mesh.edge_lengths / np.broadcast_to(side, mesh.vertex_count)[mesh.edges].mean(axis=1)

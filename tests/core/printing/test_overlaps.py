@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Beads inside of earlier ones are found where boxes say so."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from synch_fields.core.extract.lines.isolines import End, Isolines
@@ -14,6 +16,13 @@ def lines_at(flat, sizes):
     mesh = TriangleMesh([(0, 0, 0), (10, 0, 0), (0, 10, 0)], [(0, 1, 2)])
     weights = np.column_stack([1 - flat.sum(axis=1) / 10, flat / 10])
     return Isolines(mesh, np.zeros(len(flat), int), weights, np.array(sizes), np.full((len(sizes), 2), End.BOUNDARY))
+
+
+def test_the_point_before_is_the_one_whose_next_it_is_and_open_lines_begin_with_themselves():
+    flat = np.column_stack([np.arange(7) / 2, np.ones(7)])
+    lines = replace(lines_at(flat, [3, 4]), ends=np.array([[End.BOUNDARY] * 2, [End.CLOSED] * 2]))
+    np.testing.assert_array_equal(lines.next, [1, 2, 2, 4, 5, 6, 3])
+    np.testing.assert_array_equal(lines.previous, [0, 0, 1, 6, 3, 4, 5])
 
 
 def test_what_lies_inside_an_earlier_bead_is_found_and_fills_nothing_itself():
@@ -61,7 +70,8 @@ def test_ends_that_lie_below_an_earlier_bead_are_left_out_up_to_where_the_way_is
             0.8,
         )
 
-    # Both ends are beside the upper one, what is between stays; cut short below it, it is left out from there on.
+    # The lower bead reaches past the upper one on both sides: all of it stays, because its ends are free. Cut short
+    # below the upper one, it loses all that lies below that.
     assert not found(np.ones(122, bool)).any()
     chosen = np.append(np.ones(41, bool), along < 2)
     np.testing.assert_array_equal(np.flatnonzero(found(chosen)), 41 + np.flatnonzero((along > 0.775) & (along < 2)))
