@@ -10,11 +10,14 @@ import numpy as np
 from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 
 from ..connection import compose
+from .blocks import block_matrix, scale_blocks
 
 # An edge is strong if its weight is at least the first share of the geometric mean of the two diagonals or, in graphs
 # with many neighbours, the second share of the largest weight at either end. Half the first value takes 11 % more
 # products of the relaxation, twice the value 7 % fewer, but on one of twelve 67 % more (measured as in `staircase`).
 STRENGTH, STRONGEST = 0.05, 0.5
+# Blocks of a prolongation are small below this share of the largest in their row.
+TRUNCATED = 0.2
 # A hub (ground, leader of a merged group) is a row with this many times the mean number of entries.
 HUB = 10
 
@@ -121,6 +124,23 @@ def aggregates(
         label[tails] = label[heads]
     starts = np.arange(graph.count + 1)
     return _sparse(units, label, starts, int(roots.sum())), None if ground is None else int(label[ground])
+
+
+def truncated(prolongation: csr_matrix, tentative: csr_matrix, block: int) -> csr_matrix:
+    """Leave out what is small in each block row of a prolongation, and enlarge the rest to the same sum of sizes.
+
+    The entries of the tentative one, with the same (N, coarse) shape, are kept, so that no column is empty.
+    """
+    blocks, own = (
+        (part if block == 1 else bsr_matrix(part, blocksize=(block, block))) for part in (prolongation, tentative)
+    )
+    sizes, count = _sizes(blocks.data), len(own.indices)
+    rows = np.repeat(np.arange(count), np.diff(blocks.indptr))
+    kept = sizes >= TRUNCATED * _largest_of_rows(sizes, blocks.indptr, 0)[rows]
+    kept |= blocks.indices == own.indices[rows]
+    factors = np.bincount(rows, sizes, count) / np.bincount(rows[kept], sizes[kept], count)
+    values = scale_blocks(blocks.data[kept], factors[rows[kept]].astype(sizes.dtype))
+    return block_matrix(rows[kept], blocks.indices[kept], values, (count, tentative.shape[1] // block))
 
 
 def scalar_aggregates(tentative: csr_matrix, block: int, turns: bool) -> csr_matrix:

@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import SuperLU
 
 from .blocks import block_diagonal
-from .coarsening import aggregates, hubs
+from .coarsening import aggregates, hubs, truncated
 from .factorization import factorize, has_positive_pivots
 from .products import SharedRows
 from .reductions import HERE, Reductions
@@ -30,6 +30,9 @@ SMALLEST_SHIFT = 1e-6
 # Nodes of the smallest level, which is factorized, and the ratio of sizes that stops coarsening.
 SMALLEST_LEVEL = 200
 STAGNATION = 0.7
+# A level with more than this share of the finer one's rows has small aggregates, as on long thin triangles. There
+# smoothed prolongations would fill the coarser levels: on a CAD part ten times, at the same energies of first fields.
+SMALL_AGGREGATES = 0.2
 # Damped Jacobi smoothing: the share of the spectrum, below the largest eigenvalue, that it damps evenly; 0.15 is as
 # good for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.methods.staircase`). One step
 # before and after is faster than Chebyshev polynomials of degree 2 or 3, which save few steps.
@@ -102,6 +105,8 @@ class Hierarchy:
             elif tentative is not None:
                 smoother = diags_array(smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
                 prolongation = (tentative - smoother @ (matrix @ tentative)).tocsr()
+                if tentative.shape[1] > SMALL_AGGREGATES * matrix.shape[0]:
+                    prolongation = truncated(prolongation, tentative, block)
             self.levels.append(Level(matrix, row_mass, ground, largest, prolongation, tentative))
             if prolongation is None:
                 return
