@@ -16,9 +16,10 @@ from synch_fields.core.algebra.coarsening import (
     aggregates,
     graph_laplacian,
     scalar_aggregates,
+    truncated,
     turning_laplacian,
 )
-from synch_fields.core.algebra.metric import Hierarchy, Metric
+from synch_fields.core.algebra.metric import SMALL_AGGREGATES, Hierarchy, Metric
 from synch_fields.core.connection import compose
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.piece import Piece
@@ -345,6 +346,30 @@ def test_a_node_with_many_neighbours_does_not_fill_the_coarse_levels(build):
     assert np.diff(piece.matrix.indptr).max() > 100
     assert Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground).complexity < 1.6
     assert Hierarchy(graph_laplacian(piece.matrix, piece.block), piece.mass, 1).complexity < 1.6
+
+
+@pytest.mark.parametrize("make", [lambda mesh: direction_problem(mesh, 4), lambda mesh: half_turned_stripes(mesh, 0.4)])
+def test_long_thin_triangles_do_not_fill_the_coarse_levels(make):
+    piece = only_piece(make(cylinder(height=40 * np.pi, segments=80, rows=80)))
+    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
+    assert hierarchy.levels[0].tentative.shape[1] > SMALL_AGGREGATES * piece.matrix.shape[0]
+    assert hierarchy.complexity < 1.6  # 2.5 and more with all entries
+    assert gradient_iterations(piece, Metric(hierarchy, 1e-4 * piece.stiffness)) <= 20
+
+
+@pytest.mark.parametrize("group", KINDS)
+def test_prolongations_without_small_entries_carry_the_parallel_field(group):
+    random = np.random.default_rng(3)
+    mesh = cylinder(segments=30, rows=30)
+    units, matrix, block = flat_laplacian(group, mesh, random)
+    tentative, _ = aggregates(matrix, block, None, random)
+    smoothed = (tentative - diags_array(0.6 / matrix.diagonal().real) @ (matrix @ tentative)).tocsr()
+    prolongation = truncated(smoothed, tentative, block)
+    assert tentative.nnz < prolongation.nnz < 0.8 * smoothed.nnz
+    field = units if group == "circle" else (units @ random.standard_normal(block)).ravel()
+    coarse = (tentative.conj().T @ field) / np.asarray(abs(tentative).power(2).sum(axis=0)).ravel()
+    np.testing.assert_allclose(prolongation @ coarse, field, atol=1e-12)
+    assert np.diff(prolongation.tocsc().indptr).min() > 0
 
 
 @pytest.mark.parametrize(
