@@ -176,11 +176,14 @@ class Beads:
 
     def __init__(self, samples, moves):
         self.moves, self._tools = samples.moves, samples.tools
-        self._widths, self._heights = moves.widths[samples.moves], moves.heights[samples.moves]
+        self.widths, self._heights = moves.widths[samples.moves], moves.heights[samples.moves]
+        # Travels before each sample, which is the number of its bead, and the way that the tip has printed.
+        self.numbers = np.cumsum(moves.extruded == 0)[samples.moves]
+        self.arc_lengths = np.cumsum(samples.spans)
         self._middles = samples.tips - self._heights[:, None] / 2 * samples.tools
         self._tree = cKDTree(self._middles)
         # A box, and one over and one under it.
-        self._reach = float(np.hypot(self._widths / 2, self._heights).max())
+        self._reach = float(np.hypot(self.widths / 2, self._heights).max())
 
     def around(self, points):
         """Beads near (n, 3) points, in parts: yields points, samples, the offset along the tool over half the height,
@@ -192,7 +195,7 @@ class Beads:
             away = points[row] - self._middles[near]
             up = np.einsum("kx,kx->k", away, self._tools[near])
             aside = np.linalg.norm(away - up[:, None] * self._tools[near], axis=1)
-            yield row, near, 2 * up / self._heights[near], 2 * aside / self._widths[near]
+            yield row, near, 2 * up / self._heights[near], 2 * aside / self.widths[near]
 
 
 def filled_shares(beads, points):
@@ -208,10 +211,16 @@ def filled_shares(beads, points):
 
 def travels_through(beads, travels):
     """(s,) bool: samples of travels whose tip is inside a bead that was printed before, more than a tenth below its
-    top and a tenth inside its sides."""
-    hit = np.zeros(len(travels.tips), bool)
+    top and a tenth inside its sides.
+
+    The last width of the bead that the tip comes from does not count: the tip stands on it, and boxes do not bend.
+    """
+    hit, last = np.zeros(len(travels.tips), bool), np.searchsorted(beads.moves, travels.moves) - 1
     for row, near, up, aside in beads.around(travels.tips):
-        hit[row[(beads.moves[near] < travels.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)]] = True
+        inside = (beads.moves[near] < travels.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)
+        own = beads.numbers[near] == beads.numbers[last[row]]
+        own &= beads.arc_lengths[last[row]] - beads.arc_lengths[near] < beads.widths[near]
+        hit[row[inside & ~own]] = True
     return hit
 
 

@@ -19,7 +19,7 @@ _PIECE = 0.25
 # A place is inside where it is this far from the top and the sides, in half heights and half widths.
 _INSIDE = 0.1
 # Where the tip is on its way to and from the end of a bead, in distances of lines along the tool.
-_WAY = np.arange(1, 17) / 8
+_WAY = np.arange(1, 33) / 16
 # Points that are looked at together.
 _BATCH = 4096
 
@@ -27,8 +27,8 @@ _BATCH = 4096
 def find_overlaps(
     lines: Isolines, tips: np.ndarray, tools: np.ndarray, widths: np.ndarray, heights: np.ndarray, step: float
 ) -> np.ndarray:
-    """(n,) bool: points whose tip is inside the bead of an earlier line, and ends of the rest whose tip comes through
-    one on its way along the tool.
+    """(n,) bool: points without a height or whose tip is inside an earlier bead, and ends of the rest whose tip comes
+    through one on its way along the tool.
 
     Parameters
     ----------
@@ -40,21 +40,30 @@ def find_overlaps(
     piece, tops = divide_pieces(tips, tips[lines.next], _PIECE * step)
     middles, numbers = tops - heights[piece, None] / 2 * tools[piece], lines.numbers
     tree, reach = cKDTree(middles), float(np.hypot(widths, heights).max(initial=0)) / 2
+    along, lengths = _arc_lengths(lines, tips)
 
     def pairs(points: np.ndarray, places: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Each pair of a point and a point of an earlier line whose bead contains the first one's place, in order of
-        the first."""
+        """Each pair of a point and an earlier one whose bead contains the first one's place, in order of the first.
+
+        On its own line, the earlier one is more than a width behind.
+        """
         for part in np.array_split(np.arange(len(points)), len(points) // _BATCH + 1):
             row, near = pairs_within(tree, places[part], reach)
             row, other = part[row], piece[near]
             away = places[row] - middles[near]
             up = np.einsum("kx,kx->k", away, tools[other])
             aside = np.linalg.norm(away - up[:, None] * tools[other], axis=1)
-            is_inside = (numbers[other] < numbers[points[row]]) & (2 * np.abs(up) < (1 - _INSIDE) * heights[other])
+            point = points[row]
+            is_earlier = numbers[other] < numbers[point]
+            behind = along[point] - along[other]
+            around = np.mod(behind, lengths[point])  # closed lines may begin anywhere
+            behind = np.where(lines.closed[numbers[point]], np.minimum(around, lengths[point] - around), behind)
+            is_earlier |= (numbers[other] == numbers[point]) & (behind > widths[other])
+            is_inside = is_earlier & (2 * np.abs(up) < (1 - _INSIDE) * heights[other])
             is_inside &= 2 * aside < (1 - _INSIDE) * widths[other]
-            yield points[row[is_inside]], other[is_inside]
+            yield point[is_inside], other[is_inside]
 
-    result = np.zeros(len(tips), bool)
+    result = heights <= 0
     # A bead that is itself left out fills nothing, and bars no way.
     for found in pairs(np.arange(len(tips)), tips):
         for point, other in zip(*(one.tolist() for one in found), strict=True):
@@ -69,6 +78,13 @@ def find_overlaps(
         if not any(len(some) for some in barred):
             return result
         result[np.concatenate(barred)] = True
+
+
+def _arc_lengths(lines: Isolines, tips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) way of the tip from the begin of its line, and of the whole line."""
+    steps = np.linalg.norm(tips[lines.next] - tips, axis=1)
+    way = np.cumsum(steps) - steps
+    return way - way[lines.starts][lines.numbers], np.bincount(lines.numbers, steps)[lines.numbers]
 
 
 def _ends(lines: Isolines, kept: np.ndarray) -> np.ndarray:

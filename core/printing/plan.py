@@ -36,6 +36,8 @@ _SLACK = 0.25
 _BATCH = 8192
 # Less high than this, in spacings, a bead is not printed.
 _NO_HEIGHT = 0.02
+# How often parts of beads that reach into others are left out, and the others enlarged.
+_ROUNDS = 8
 # Seams at the back lie as far in this direction as can be: on a side across Y at its left end.
 _BACK = np.array([-0.1, 1.0, 0.0])
 
@@ -242,8 +244,12 @@ def print_plan(
 
     down, up = reaches(lengths)
     if not flat:
-        overlaps = find_overlaps(made, places + up[:, None] * normals, axes, widths, down + up, step)
-        down, up = (np.where(overlaps, 0, way) for way in reaches(np.where(overlaps, 0, lengths)))
+        for _ in range(_ROUNDS):
+            overlaps = find_overlaps(made, places + up[:, None] * normals, axes, widths, down + up, step)
+            if not (overlaps & (down + up > 0)).any():
+                break
+            # The other beads take the volume. They may now reach into one another again.
+            down, up = (np.where(overlaps, 0, way) for way in reaches(np.where(overlaps, 0, lengths)))
     met = collisions(places + up[:, None] * normals, axes, scaled, step, _SLACK * spacing)
     return PrintPlan(
         made, layers[chosen], sheets, count_levels(order, carried, carrying)[sheets], widths, found, down, up,

@@ -5,6 +5,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from synch_fields.core.extract.lines.isolines import End, Isolines
 from synch_fields.core.geometry import TriangleMesh
@@ -75,3 +76,20 @@ def test_ends_that_lie_below_an_earlier_bead_are_left_out_up_to_where_the_way_is
     assert not found(np.ones(122, bool)).any()
     chosen = np.append(np.ones(41, bool), along < 2)
     np.testing.assert_array_equal(np.flatnonzero(found(chosen)), 41 + np.flatnonzero((along > 0.775) & (along < 2)))
+
+
+@pytest.mark.parametrize("begin", [None, 0, 20, 61])
+def test_a_line_that_comes_back_below_its_own_top_is_left_out_there_wherever_it_begins(begin):
+    """There along X, and back 0.1 lower: open, or closed and begun at one of its points."""
+    along = np.linspace(0, 4, 41)
+    order = np.roll(np.arange(80), -(begin or 0))
+    flat = np.column_stack([np.concatenate([along, along[-2:0:-1]]), np.ones(80)])[order]
+    tips = np.column_stack([flat, np.where(order < 41, 1, 0.9)])
+    ends = np.full((1, 2), End.BOUNDARY if begin is None else End.CLOSED)
+    one = np.ones(80)
+    found = find_overlaps(
+        replace(lines_at(flat, [80]), ends=ends), tips, np.tile([0.0, 0, 1], (80, 1)), 0.5 * one, 0.4 * one, 0.4
+    )
+    # Up to a width behind, the tip stands on its own bead.
+    assert not found[order <= 41].any()
+    assert found[(order > 41) & (order < 79)].all()
