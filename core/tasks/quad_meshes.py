@@ -12,6 +12,7 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import REMEDY, quad_faults
+from ..extract.quads.measure.quality import corner_angles
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
@@ -53,19 +54,16 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
 
-    A mesh that does not follow its boundaries and sharp edges is solved again with directions that all curvature turns,
-    as small steps need them; the result that loses less is used.
+    A mesh that does not follow its boundaries and sharp edges is solved again (:func:`_solve_again`).
     """
     found, lost = _solve(request, progress)
-    if lost.share > LOST and request.detail > 0:
-        try:
-            again = _solve(replace(request, detail=0.0), portion(progress, 1 - _AGAIN, _AGAIN))
-        except SettingError:
-            again = found, lost
-        found, lost = min((found, lost), again, key=lambda each: each[1].share)
+    faults: tuple[str, ...] = ()
+    if lost.share > LOST:
+        found, lost, faults = _solve_again(request, found, lost, portion(progress, 1 - _AGAIN, _AGAIN))
     assert found.quads is not None
-    faults = list(_faults(request, found.quads, lost))
-    return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
+    return replace(
+        found, warnings=(*found.warnings, *request.accept_faults([*faults, *_faults(request, found.quads, lost)]))
+    )
 
 
 @dataclass(frozen=True)
@@ -99,6 +97,40 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surfa
     planes = () if request.mirror_side is None else plane_edges(mesh, request.mirror_planes)
     side = (found.settled["spacing"] or request.spacing) / 2
     return found, _LostLines(*lost_lines(found.quads, mesh, request.rows, planes), side)
+
+
+def _solve_again(
+    request: "SurfaceRequest", found: "SurfaceResult", lost: _LostLines, progress: Callback | None
+) -> tuple["SurfaceResult", _LostLines, tuple[str, ...]]:
+    """The best of a mesh that loses lines and of others, the lines it loses, and faults.
+
+    Without crowded lines, if there are any, a mesh is better if its corners are nearer to right angles. With directions
+    that all curvature turns, as small steps need them, it is better if it loses less.
+    """
+    clearer = request.uncrowded(found.settled["spacing"] or request.spacing)
+    if sum(len(row.line.links) for row in clearer.rows) < sum(len(row.line.links) for row in request.rows):
+        again = _try(clearer, progress)
+        if again is not None and _mean_angle(again[0]) < _mean_angle(found):
+            left_out, whole = lost.all_lengths.sum() - again[1].all_lengths.sum(), lost.all_lengths.sum()
+            fault = f"sharp edges are left out that run beside others without room for quads, {left_out:.3g} of "
+            return *again, (f"{fault}{whole:.3g} in length: {REMEDY}",)
+    again = _try(replace(request, detail=0.0), progress) if request.detail > 0 else None
+    if again is not None and again[1].share < lost.share:
+        found, lost = again
+    return found, lost, ()
+
+
+def _try(request: "SurfaceRequest", progress: Callback | None) -> tuple["SurfaceResult", _LostLines] | None:
+    try:
+        return _solve(request, progress)
+    except SettingError:
+        return None
+
+
+def _mean_angle(result: "SurfaceResult") -> float:
+    """Mean of |angle - 90| over all corners, in degrees."""
+    assert result.quads is not None
+    return float(np.abs(corner_angles(result.quads) - 90).mean())
 
 
 def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":

@@ -27,6 +27,7 @@ from ..fields import (
     given_directions,
 )
 from ..fields.alignment import along_curvature
+from ..fields.constraints.crowded import without_crowded_lines
 from ..fields.constraints.features import feature_edges, feature_row
 from ..fields.directions import known_directions
 from ..fields.mirror import Reflection, Seam
@@ -132,6 +133,13 @@ class SurfaceRequest:
     def smoothed(self, rounds: int) -> "SurfaceRequest":
         """The request with another number of smoothing steps of quad meshes."""
         return replace(self, settings=replace(self.settings, smoothing=rounds))
+
+    def uncrowded(self, spacing: float) -> "SurfaceRequest":
+        """The request without the sharp edges that leave no room for quads of a spacing between them and others."""
+        mesh = self.given.mesh
+        sides = smallest_sides(mesh, spacing / self.spacing * np.asarray(self.spacings))
+        rows = _feature_rows(self.given, self.settings, sides, self.source.sharp, is_uncrowded=True)
+        return replace(self, rows=self.source.rows + rows)
 
     def on_mesh(self, given: MeshInput) -> "SurfaceRequest":
         """The request on the same mesh in another object, or with other polygons."""
@@ -341,16 +349,20 @@ class SurfaceRequest:
             raise error.renumbered(self.given.source) from None
 
 
-def _feature_rows(given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike) -> tuple[Row, ...]:
+def _feature_rows(
+    given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike, is_uncrowded: bool = False
+) -> tuple[Row, ...]:
     """The row for the boundary and the sharp edges of the uncut mesh, and for mirror planes; none where there are none.
 
     Edges between two faces at more than the angle of ``features``, and those in ``sharp``, are sharp, unless the angle
-    is 0; ``sides`` are the (n,) lengths of a quad's side at each vertex, a few of which make a feature.
+    is 0; ``sides`` are the (n,) lengths of a quad's side at each vertex, a few of which make a feature. Without
+    crowded lines, those are left out that run beside others.
     """
     uncut, edges = given.uncut, np.empty(0, int)
     if settings.features > 0:
         sides = sides[: uncut.vertex_count]
         edges = feature_edges(uncut, settings.features, sides, sharp, given.polygons.triangle_faces)
+        edges = without_crowded_lines(uncut, edges, sides) if is_uncrowded else edges
         edges = edges_after_cut(uncut, given.mesh, edges)
     if settings.mirror:
         edges = np.union1d(edges, plane_edges(given.mesh, mirror_planes(given.stretch, settings.mirror)))

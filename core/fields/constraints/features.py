@@ -62,7 +62,7 @@ def feature_edges(
     edges = np.flatnonzero(sharp)
     lengths = mesh.edge_lengths / np.broadcast_to(side, mesh.vertex_count)[mesh.edges].mean(axis=1)
     on_boundary = mesh.edge_face_counts == 1
-    for pieces, shortest in ((_pieces_between_corners, SHORTEST_LINE), (_connected_pieces, SHORTEST_PIECE)):
+    for pieces, shortest in ((pieces_between_corners, SHORTEST_LINE), (_connected_pieces, SHORTEST_PIECE)):
         labels = pieces(mesh, edges)
         long = np.bincount(labels, lengths[edges]) >= shortest
         edges = edges[long[labels] | on_boundary[edges]]
@@ -97,7 +97,7 @@ def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     return labels
 
 
-def _pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
+def pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     """(k,) label of the line between corners that each edge is on."""
     corner = np.zeros(mesh.vertex_count, bool)
     corner[line_corners(mesh, edges)] = True

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sharp edges that are too near to others for quads between them."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from ...geometry.triangle_mesh import TriangleMesh
+from ...graphs import pairs_within, ragged_arange
+from .features import pieces_between_corners
+
+# Two lines are crowded where they are nearer than this to one another, in sides of a quad, at an angle with at least
+# this cosine, and if that is so on at least this share of the first one's length.
+NEAREST, BESIDE, SHARE = 0.6, np.cos(np.radians(20)), 0.6
+# Around a thin part the faces beyond two lines look apart: the cosine of the angle between their normals is lower.
+APART = -0.2
+# Distance of sample points on lines, in sides of a quad.
+STEP = 0.1
+
+
+def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike) -> np.ndarray:
+    """The edges without lines that run beside longer or sharper ones, with no room for a quad between.
+
+    Of two lines, between corners, the one with less length times angle goes. Boundaries stay, and so do both lines
+    around a thin part.
+
+    Parameters
+    ----------
+    edges : (k,) indices of edges of boundaries and sharp edges
+    side : length of a quad's side, one or (n,) at the vertices
+    """
+    lines = pieces_between_corners(mesh, edges)
+    sides = np.broadcast_to(side, mesh.vertex_count)[mesh.edges[edges]].mean(axis=1)
+    lengths, on_boundary = mesh.edge_lengths[edges], mesh.edge_face_counts[edges] == 1
+    counts = np.maximum(np.ceil(lengths / (STEP * sides)).astype(int), 1)
+    of, places = ragged_arange(counts)
+    shares = (places + 0.5) / counts[of]
+    points = mesh.vertices[mesh.edges[edges[of], 0]] + shares[:, None] * mesh.edge_vectors[edges[of]]
+    at, near = pairs_within(cKDTree(points), points, NEAREST * sides[of])
+    at, near = (part[lines[of[at]] != lines[of[near]]] for part in (at, near))
+    along = mesh.edge_vectors[edges] / np.maximum(lengths[:, None], np.finfo(float).tiny)
+    ways = points[near] - points[at]
+    crowded = np.abs(np.einsum("kx,kx->k", along[of[at]], along[of[near]])) > BESIDE
+    beyond = (
+        _normals_beyond(mesh, edges[of[at]], points[at], ways),
+        _normals_beyond(mesh, edges[of[near]], points[near], -ways),
+    )
+    crowded &= np.einsum("kx,kx->k", *beyond) > APART
+    at, near = at[crowded], near[crowded]
+
+    weights = np.bincount(lines, lengths * np.where(on_boundary, np.inf, np.abs(mesh.dihedral_angles[edges])))
+    wholes, sizes = np.bincount(lines, lengths), (lengths / counts)[of]
+    kept = np.ones(len(wholes), bool)
+    order = np.argsort(lines[of[at]], kind="stable")
+    first = np.searchsorted(lines[of[at]][order], np.arange(len(wholes) + 1))
+    for line in np.argsort(weights, kind="stable"):
+        pairs = order[first[line] : first[line + 1]]
+        pairs = pairs[kept[lines[of[near[pairs]]]]]
+        beside = sizes[np.unique(at[pairs])].sum()
+        kept[line] = np.isinf(weights[line]) or beside < SHARE * wholes[line]
+    return edges[kept[lines]]
+
+
+def _normals_beyond(mesh: TriangleMesh, edges: np.ndarray, points: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """(k, 3) normals of the faces at edges that lie away from the (k, 3) ways from points on these."""
+    halves = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
+    first = np.searchsorted(mesh.triangle_edges.ravel()[halves], edges)
+    centres = mesh.vertices[mesh.triangles].mean(axis=1)
+    faces = np.stack([halves[first], halves[first + mesh.edge_face_counts[edges] - 1]]) // 3
+    towards = np.einsum("fkx,kx->fk", centres[faces] - points, ways)
+    return mesh.face_normals[np.take_along_axis(faces, towards.argmin(axis=0)[None], axis=0)[0]]
