@@ -45,6 +45,8 @@ YIELD = 0.97
 LOST, _AGAIN = 0.02, 0.1
 # A mesh is not solved again for lines of at most so many sides of quads: on scans most of these are noise.
 SHORT = 4.0
+# Mean of |angle - 90| over the corners, in degrees, beyond which crowded sharp edges are left out.
+BAD_ANGLE = 10.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
 # Shares of the work on a pattern after which its loops are closed, and its quads smoothed.
@@ -54,11 +56,11 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
 
-    A mesh that does not follow its boundaries and sharp edges is solved again (:func:`_solve_again`).
+    A bad mesh, and one that does not follow its boundaries and sharp edges, is solved again (:func:`_solve_again`).
     """
     found, lost = _solve(request, progress)
     faults: tuple[str, ...] = ()
-    if lost.share > LOST:
+    if lost.share > LOST or _is_bad(found, request.settings.faces):
         found, lost, faults = _solve_again(request, found, lost, portion(progress, 1 - _AGAIN, _AGAIN))
     assert found.quads is not None
     return replace(
@@ -102,19 +104,22 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surfa
 def _solve_again(
     request: "SurfaceRequest", found: "SurfaceResult", lost: _LostLines, progress: Callback | None
 ) -> tuple["SurfaceResult", _LostLines, tuple[str, ...]]:
-    """The best of a mesh that loses lines and of others, the lines it loses, and faults.
+    """The best of a mesh and of others, the lines it loses, and faults.
 
-    Without crowded lines, if there are any, a mesh is better if its corners are nearer to right angles. With directions
-    that all curvature turns, as small steps need them, it is better if it loses less.
+    Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
+    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less.
     """
-    clearer = request.uncrowded(found.settled["spacing"] or request.spacing)
-    if sum(len(row.line.links) for row in clearer.rows) < sum(len(row.line.links) for row in request.rows):
-        again = _try(clearer, progress)
-        if again is not None and _mean_angle(again[0]) < _mean_angle(found):
-            left_out, whole = lost.all_lengths.sum() - again[1].all_lengths.sum(), lost.all_lengths.sum()
-            fault = f"sharp edges are left out that run beside others without room for quads, {left_out:.3g} of "
-            return *again, (f"{fault}{whole:.3g} in length: {REMEDY}",)
-    again = _try(replace(request, detail=0.0), progress) if request.detail > 0 else None
+    faces = request.settings.faces
+    if _is_bad(found, faces):
+        clearer = request.uncrowded(found.settled["spacing"] or request.spacing)
+        again = _try(clearer, progress) if _count_links(clearer) < _count_links(request) else None
+        if again is not None and _is_better(again[0], found, faces):
+            whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
+            return *again, (
+                f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
+                f"{whole:.3g} in length: {REMEDY}",
+            )
+    again = _try(replace(request, detail=0.0), progress) if lost.share > LOST and request.detail > 0 else None
     if again is not None and again[1].share < lost.share:
         found, lost = again
     return found, lost, ()
@@ -127,10 +132,30 @@ def _try(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surface
         return None
 
 
+def _count_links(request: "SurfaceRequest") -> int:
+    """Number of edges on which there are constraints."""
+    return sum(len(row.line.links) for row in request.rows)
+
+
+def _is_bad(result: "SurfaceResult", faces: int) -> bool:
+    """Whether the corners of a quad mesh are far from right angles, or its number of faces from the wanted one."""
+    return _mean_angle(result) > BAD_ANGLE or _misses(result, faces) > FAR
+
+
+def _is_better(result: "SurfaceResult", other: "SurfaceResult", faces: int) -> bool:
+    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer."""
+    return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(FAR, _misses(other, faces))
+
+
 def _mean_angle(result: "SurfaceResult") -> float:
     """Mean of |angle - 90| over all corners, in degrees."""
     assert result.quads is not None
     return float(np.abs(corner_angles(result.quads) - 90).mean())
+
+
+def _misses(result: "SurfaceResult", faces: int) -> float:
+    """Relative error of the number of faces, 0 where none is wanted."""
+    return abs(_face_count(result) / faces - 1) if faces else 0.0
 
 
 def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":

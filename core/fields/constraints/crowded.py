@@ -41,6 +41,7 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
     at, near = (part[lines[of[at]] != lines[of[near]]] for part in (at, near))
     along = mesh.edge_vectors[edges] / np.maximum(lengths[:, None], np.finfo(float).tiny)
     ways = points[near] - points[at]
+    ways -= np.einsum("kx,kx->k", ways, along[of[at]])[:, None] * along[of[at]]
     crowded = np.abs(np.einsum("kx,kx->k", along[of[at]], along[of[near]])) > BESIDE
     beyond = (
         _normals_beyond(mesh, edges[of[at]], points[at], ways),
