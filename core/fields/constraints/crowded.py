@@ -15,8 +15,8 @@ from .features import pieces_between_corners
 NEAREST, BESIDE, SHARE = 0.6, np.cos(np.radians(20)), 0.6
 # Around a thin part the faces beyond two lines look apart: the cosine of the angle between their normals is lower.
 APART = -0.2
-# Distance of sample points on lines, in sides of a quad.
-STEP = 0.1
+# Distance of sample points on lines, in sides of a quad, and most pairs of them that are looked at.
+STEP, MOST_PAIRS = 0.1, 20_000_000
 
 
 def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike) -> np.ndarray:
@@ -32,12 +32,16 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
     """
     lines = pieces_between_corners(mesh, edges)
     sides = np.broadcast_to(side, mesh.vertex_count)[mesh.edges[edges]].mean(axis=1)
-    lengths, on_boundary = mesh.edge_lengths[edges], mesh.edge_face_counts[edges] == 1
+    lengths = mesh.edge_lengths[edges]
     counts = np.maximum(np.ceil(lengths / (STEP * sides)).astype(int), 1)
     of, places = ragged_arange(counts)
     shares = (places + 0.5) / counts[of]
     points = mesh.vertices[mesh.edges[edges[of], 0]] + shares[:, None] * mesh.edge_vectors[edges[of]]
-    at, near = pairs_within(cKDTree(points), points, NEAREST * sides[of])
+    of, points, sizes = _thinned(lines, of, points, (lengths / counts)[of], STEP * sides)
+    tree = cKDTree(points)
+    if tree.count_neighbors(tree, NEAREST * sides.max(initial=0)) > MOST_PAIRS:
+        return edges
+    at, near = pairs_within(tree, points, NEAREST * sides[of])
     at, near = (part[lines[of[at]] != lines[of[near]]] for part in (at, near))
     along = mesh.edge_vectors[edges] / np.maximum(lengths[:, None], np.finfo(float).tiny)
     ways = points[near] - points[at]
@@ -50,8 +54,9 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
     crowded &= np.einsum("kx,kx->k", *beyond) > APART
     at, near = at[crowded], near[crowded]
 
-    weights = np.bincount(lines, lengths * np.where(on_boundary, np.inf, np.abs(mesh.dihedral_angles[edges])))
-    wholes, sizes = np.bincount(lines, lengths), (lengths / counts)[of]
+    weights = np.bincount(lines, lengths * np.abs(mesh.dihedral_angles[edges]))
+    on_boundary = np.bincount(lines, mesh.edge_face_counts[edges] == 1) > 0
+    wholes = np.bincount(lines, lengths)
     kept = np.ones(len(wholes), bool)
     order = np.argsort(lines[of[at]], kind="stable")
     first = np.searchsorted(lines[of[at]][order], np.arange(len(wholes) + 1))
@@ -59,8 +64,17 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
         pairs = order[first[line] : first[line + 1]]
         pairs = pairs[kept[lines[of[near[pairs]]]]]
         beside = sizes[np.unique(at[pairs])].sum()
-        kept[line] = np.isinf(weights[line]) or beside < SHARE * wholes[line]
+        kept[line] = on_boundary[line] or beside < SHARE * wholes[line]
     return edges[kept[lines]]
+
+
+def _thinned(
+    lines: np.ndarray, of: np.ndarray, points: np.ndarray, sizes: np.ndarray, steps: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of (p, 3) points on edges ``of`` lines, with the lengths that they stand for, one in each cube of a step."""
+    cubes = np.column_stack([lines[of], np.floor(points / steps[of, None])])
+    _, first, number = np.unique(cubes, axis=0, return_index=True, return_inverse=True)
+    return of[first], points[first], np.bincount(number.ravel(), sizes)
 
 
 def _normals_beyond(mesh: TriangleMesh, edges: np.ndarray, points: np.ndarray, ways: np.ndarray) -> np.ndarray:

@@ -5,11 +5,12 @@
 import numpy as np
 import pytest
 
+from synch_fields.core.fields.constraints import crowded
 from synch_fields.core.fields.constraints.crowded import without_crowded_lines
 from synch_fields.core.fields.constraints.features import feature_edges
 from synch_fields.core.geometry import TriangleMesh
 
-from ...meshes import grid_quads, split_quads
+from ...meshes import grid_quads, icosphere, split_quads
 
 SIDE, LENGTH = 0.1, 1.0
 
@@ -68,3 +69,12 @@ def test_a_mirrored_surface_keeps_the_mirrored_lines():
     )
     np.testing.assert_array_equal(np.sort(mesh.edges_between(*mirrored.edges[others].T)), np.sort(left))
     assert 0 < len(left) < len(edges)
+
+
+def test_surfaces_without_lines_and_with_too_many_pairs_are_left_as_they_are(monkeypatch):
+    assert len(without_crowded_lines(icosphere(1), np.empty(0, int), SIDE)) == 0
+    mesh = folded((0.5, 0), (0.03, 40), (0.5, 90))
+    edges = feature_edges(mesh, np.radians(30), SIDE)
+    assert len(without_crowded_lines(mesh, edges, SIDE)) < len(edges)
+    monkeypatch.setattr(crowded, "MOST_PAIRS", 10)
+    np.testing.assert_array_equal(without_crowded_lines(mesh, edges, SIDE), edges)
