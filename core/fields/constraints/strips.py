@@ -46,9 +46,7 @@ def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tup
     step = STEP * sides.min()
     points, tangents, regions = _on_lines(mesh, edges, step)
     places, reach = mesh.vertices[mesh.triangles].mean(axis=1), ACROSS * sides[mesh.triangles].mean(axis=1)
-    triangles, met = _within_reach(places, reach, points)
-    same = (regions[met] == _regions(mesh, edges)[triangles, None]).any(axis=1)
-    triangles, met = triangles[same], met[same]
+    triangles, met = _within_reach(places, _regions(mesh, edges), reach, points, regions)
     ways = points[met] - places[triangles]
     lengths = np.linalg.norm(ways, axis=1)
     nearest = np.zeros(mesh.triangle_count, int)
@@ -71,13 +69,20 @@ def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tup
     return directions, factors
 
 
-def _within_reach(places: np.ndarray, reach: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of (m, 3) places and of points within (m,) reach of them: (k,) places, (k,) points. Places farther than
-    half of it from all points are in no strip and are left out."""
-    tree = cKDTree(points)
+def _within_reach(
+    places: np.ndarray, own: np.ndarray, reach: np.ndarray, points: np.ndarray, regions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of (m, 3) places in (m,) own regions and of points on lines beside these that are within (m,) reach of
+    them: (k,) places, (k,) points. Places farther than half of it from all such points are in no strip and are left
+    out."""
+    # Regions lie apart along a fourth axis.
+    apart = 4 * reach.max(initial=0)
+    which, side = np.nonzero((regions >= 0) & (np.diff(regions, prepend=-2) != 0))
+    tree = cKDTree(np.column_stack([points[which], apart * regions[which, side]]))
+    places = np.column_stack([places, apart * own])
     near = np.flatnonzero(tree.query(places, distance_upper_bound=reach.max() / 2)[0] < reach / 2)
     rows, reached = pairs_within(tree, places[near], reach[near])
-    return near[rows], reached
+    return near[rows], which[reached]
 
 
 def _first_of_each(labels: np.ndarray, lengths: np.ndarray, chosen: np.ndarray) -> np.ndarray:
