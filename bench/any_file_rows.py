@@ -47,15 +47,16 @@ def _quad_figures(obj, faces):
     ends = attributes.read_all(made.data.edges, "vertices", 2)
     places = attributes.read_values(made, "position", "POINT") @ np.array(made.matrix_world.to_3x3()).T
     lengths = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1)
-    lost = [re.search(r"([\d.e+-]+) of ([\d.e+-]+) in length", line) for line in report["warnings"]]
-    shares = [float(found[1]) / float(found[2]) for found in lost if found]
+    told = [re.search(r"([\d.e+-]+) of ([\d.e+-]+) in length", line) for line in report["warnings"]]
+    # Crowded edges that are left out are told apart, with the length of all.
+    lost, whole = np.array([[float(part) for part in found.groups()] for found in told if found] or [[0, 1]]).T
     kept = ("faces", "irregular_vertices", "angle_deviation", "folds")
     return {name: figures[name] for name in kept} | {
         "given": given,
         "joined": surface.get("joined", 0),
         "vertices": surface.get("vertices", given),
         "zero": int((lengths < SHORTEST * np.median(lengths)).sum()),
-        "lost": sum(shares),
+        "lost": float(lost.sum() / whole.max()),
         "away": figures["hausdorff_distance"] / figures["edge_length"],
         "closed_too": "no" if any("closed and the quad mesh is not" in line for line in report["warnings"]) else "yes",
         "warnings": len(report["warnings"]),
