@@ -230,22 +230,24 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
 
 
 def _best_count(faces: int, wanted: float, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
-    """The finished mesh with the number of faces nearest to the wanted one; a draft is finished if it is nearer.
+    """The finished mesh with the number of faces nearest to the wanted one.
 
+    The nearest draft is finished if it is nearer, and others as long as the number of faces is far from the wanted one.
     Raises SettingError if the quads of all drafts are too large for a mesh.
     """
-    found = found.copy()
+    found, is_tried = found.copy(), False
     for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
-        if found and abs(_face_count(found[0]) / faces - 1) <= draft.misses(wanted):
+        misses = min((_misses(result, faces) for result in found), default=np.inf)
+        if misses <= draft.misses(wanted) or (is_tried and misses <= FAR):
             break
         try:
             found.append(_finish(_close(_settle(draft), None)))
-            break
+            is_tried = True
         except SettingError:
             continue
     if not found:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
-    return min(found, key=lambda result: abs(_face_count(result) - faces))
+    return min(found, key=lambda result: _misses(result, faces))
 
 
 class _SpacingFactor:
