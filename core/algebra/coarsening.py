@@ -127,9 +127,10 @@ def aggregates(
 
 
 def truncated(prolongation: csr_matrix, tentative: csr_matrix, block: int) -> csr_matrix:
-    """Leave out what is small in each block row of a prolongation, and enlarge the rest to the same sum of sizes.
+    """Leave out the small blocks in each row of a prolongation, and scale the others so that their sizes add up to the
+    same.
 
-    The entries of the tentative one, with the same (N, coarse) shape, are kept, so that no column is empty.
+    Blocks of the tentative prolongation, which has the same (N, coarse) shape, are kept, so that no column is empty.
     """
     blocks, own = (
         (part if block == 1 else bsr_matrix(part, blocksize=(block, block))) for part in (prolongation, tentative)

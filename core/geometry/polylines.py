@@ -78,8 +78,9 @@ def resample_polyline(points: np.ndarray, step: float) -> np.ndarray:
     return places_at(points, np.linspace(0, length, max(int(np.ceil(length / step)), 1) + 1))
 
 
-def divide_pieces(begins: np.ndarray, ends: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places along straight pieces between (n, 3) points, at most a size apart, from each begin on, without its end.
+def divide_pieces(begins: np.ndarray, ends: np.ndarray, size: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places along straight pieces between (n, 3) points, from each begin on, without its end. They are at most a size
+    apart, one or (n,).
 
     Returns
     -------

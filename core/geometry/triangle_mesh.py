@@ -119,6 +119,12 @@ class TriangleMesh:
         """(e,) number of triangles at each edge: 1 on the boundary, 2 inside."""
         return np.bincount(self._half_edges.numbers, minlength=len(self.edges))
 
+    @cached_property
+    def edge_triangles(self) -> np.ndarray:
+        """(e, 2) triangles at each edge, twice the same at the boundary."""
+        halves, last = np.argsort(self.triangle_edges.ravel(), kind="stable"), np.cumsum(self.edge_face_counts)
+        return halves[np.column_stack([last - self.edge_face_counts, last - 1])] // 3
+
     @property
     def boundary_edges(self) -> np.ndarray:
         """Indices of the edges that have one triangle only."""

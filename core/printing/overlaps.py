@@ -40,7 +40,8 @@ def find_overlaps(
     piece, tops = divide_pieces(tips, tips[lines.next], _PIECE * step)
     middles, numbers = tops - heights[piece, None] / 2 * tools[piece], lines.numbers
     tree, reach = cKDTree(middles), float(np.hypot(widths, heights).max(initial=0)) / 2
-    along, lengths = _arc_lengths(lines, tips)
+    steps = np.linalg.norm(tips[lines.next] - tips, axis=1)
+    along, lengths = lines.sum_before(steps), np.bincount(numbers, steps)[numbers]
 
     def pairs(points: np.ndarray, places: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Each pair of a point and an earlier one whose bead contains the first one's place, in order of the first.
@@ -78,13 +79,6 @@ def find_overlaps(
         if not any(len(some) for some in barred):
             return result
         result[np.concatenate(barred)] = True
-
-
-def _arc_lengths(lines: Isolines, tips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) way of the tip from the begin of its line, and of the whole line."""
-    steps = np.linalg.norm(tips[lines.next] - tips, axis=1)
-    way = np.cumsum(steps) - steps
-    return way - way[lines.starts][lines.numbers], np.bincount(lines.numbers, steps)[lines.numbers]
 
 
 def _ends(lines: Isolines, kept: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import REMEDY, quad_faults
-from ..extract.quads.measure.quality import corner_angles
+from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
@@ -111,8 +111,8 @@ def _solve_again(
     """
     faces = request.settings.faces
     if _is_bad(found, faces):
-        clearer = request.uncrowded(found.settled["spacing"] or request.spacing)
-        again = _try(clearer, progress) if _count_links(clearer) < _count_links(request) else None
+        uncrowded = request.uncrowded(found.settled["spacing"] or request.spacing)
+        again = _try(uncrowded, progress) if _count_links(uncrowded) < _count_links(request) else None
         if again is not None and _is_better(again[0], found, faces):
             whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
             return *again, (
@@ -150,7 +150,7 @@ def _is_better(result: "SurfaceResult", other: "SurfaceResult", faces: int) -> b
 def _mean_angle(result: "SurfaceResult") -> float:
     """Mean of |angle - 90| over all corners, in degrees."""
     assert result.quads is not None
-    return float(np.abs(corner_angles(result.quads) - 90).mean())
+    return quality(result.quads)["angle_deviation"]
 
 
 def _misses(result: "SurfaceResult", faces: int) -> float:
@@ -214,7 +214,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
                 count = traced
             elif drafts[-1].misses(wanted) <= NEAR:
                 found.append(_finish(_close(_settle(drafts.pop()), part), part))
-                if abs(_face_count(found[-1]) / faces - 1) <= NEAR:
+                if _misses(found[-1], faces) <= NEAR:
                     return found[-1]
                 wanted = faces * count / _face_count(found[-1])
         except ContradictionError:
@@ -235,19 +235,18 @@ def _best_count(faces: int, wanted: float, drafts: list["_Draft"], found: list["
     The nearest draft is finished if it is nearer, and others as long as the number of faces is far from the wanted one.
     Raises SettingError if the quads of all drafts are too large for a mesh.
     """
-    found, is_tried = found.copy(), False
+    results = found.copy()
     for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
-        misses = min((_misses(result, faces) for result in found), default=np.inf)
-        if misses <= draft.misses(wanted) or (is_tried and misses <= FAR):
+        misses = min((_misses(result, faces) for result in results), default=np.inf)
+        if misses <= draft.misses(wanted) or (len(results) > len(found) and misses <= FAR):
             break
         try:
-            found.append(_finish(_close(_settle(draft), None)))
-            is_tried = True
+            results.append(_finish(_close(_settle(draft), None)))
         except SettingError:
             continue
-    if not found:
+    if not results:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
-    return min(found, key=lambda result: _misses(result, faces))
+    return min(results, key=lambda result: _misses(result, faces))
 
 
 class _SpacingFactor:

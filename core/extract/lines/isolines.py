@@ -115,7 +115,11 @@ class Isolines:
     @property
     def arc_lengths(self) -> np.ndarray:
         """(n,) distance from the first point of the line, along the line."""
-        way = np.concatenate([[0.0], np.cumsum(self.steps)])
+        return self.sum_before(self.steps)
+
+    def sum_before(self, values: np.ndarray) -> np.ndarray:
+        """(n,) sum of the (n,) values of the line's points before each point."""
+        way = np.concatenate([[0.0], np.cumsum(values)])
         return way[:-1] - way[self.starts][self.numbers]
 
     @property

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from ...geometry.polylines import divide_pieces
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import pairs_within, ragged_arange
+from ...graphs import pairs_within
 from .features import pieces_between_corners
 
 # Two lines are crowded where they are nearer than this to one another, in sides of a quad, at an angle with at least
@@ -33,11 +34,10 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
     lines = pieces_between_corners(mesh, edges)
     sides = np.broadcast_to(side, mesh.vertex_count)[mesh.edges[edges]].mean(axis=1)
     lengths = mesh.edge_lengths[edges]
-    counts = np.maximum(np.ceil(lengths / (STEP * sides)).astype(int), 1)
-    of, places = ragged_arange(counts)
-    shares = (places + 0.5) / counts[of]
-    points = mesh.vertices[mesh.edges[edges[of], 0]] + shares[:, None] * mesh.edge_vectors[edges[of]]
-    of, points, sizes = _thinned(lines, of, points, (lengths / counts)[of], STEP * sides)
+    begins, ends = mesh.vertices[mesh.edges[edges].T]
+    of, points = divide_pieces(begins, ends, STEP * sides)
+    sizes = (lengths / np.bincount(of, minlength=len(edges)))[of]
+    of, points, sizes = _thin_out(lines, of, points, sizes, STEP * sides)
     tree = cKDTree(points)
     if tree.count_neighbors(tree, NEAREST * sides.max(initial=0)) > MOST_PAIRS:
         return edges
@@ -68,20 +68,22 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
     return edges[kept[lines]]
 
 
-def _thinned(
-    lines: np.ndarray, of: np.ndarray, points: np.ndarray, sizes: np.ndarray, steps: np.ndarray
+def _thin_out(
+    lines: np.ndarray, of: np.ndarray, points: np.ndarray, lengths: np.ndarray, steps: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of (p, 3) points on edges ``of`` lines, with the lengths that they stand for, one in each cube of a step."""
+    """Keep one sample point of each line in each cube of a step.
+
+    Takes (p,) edges, (p, 3) points, and (p,) lengths that these stand for. Returns those of the points that are kept;
+    the length of each is the sum of the lengths in its cube.
+    """
     cubes = np.column_stack([lines[of], np.floor(points / steps[of, None])])
     _, first, number = np.unique(cubes, axis=0, return_index=True, return_inverse=True)
-    return of[first], points[first], np.bincount(number.ravel(), sizes)
+    return of[first], points[first], np.bincount(number.ravel(), lengths)
 
 
 def _normals_beyond(mesh: TriangleMesh, edges: np.ndarray, points: np.ndarray, ways: np.ndarray) -> np.ndarray:
     """(k, 3) normals of the faces at edges that lie away from the (k, 3) ways from points on these."""
-    halves = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
-    first = np.searchsorted(mesh.triangle_edges.ravel()[halves], edges)
+    faces = mesh.edge_triangles[edges].T
     centres = mesh.vertices[mesh.triangles].mean(axis=1)
-    faces = np.stack([halves[first], halves[first + mesh.edge_face_counts[edges] - 1]]) // 3
     towards = np.einsum("fkx,kx->fk", centres[faces] - points, ways)
     return mesh.face_normals[np.take_along_axis(faces, towards.argmin(axis=0)[None], axis=0)[0]]

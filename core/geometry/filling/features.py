@@ -55,7 +55,7 @@ def sharpen_edges(
 
 def sharp_edges(mesh: TriangleMesh, labels: np.ndarray | None = None) -> np.ndarray:
     """Find the edges of a closed mesh that are bent by more than ``SHARP``, or between faces of different labels."""
-    first, second = _edge_triangles(mesh).T
+    first, second = mesh.edge_triangles.T
     bent = np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP
     return np.flatnonzero(bent if labels is None else bent | (labels[first] != labels[second]))
 
@@ -64,7 +64,7 @@ def smooth_regions(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
     """Label the (m,) triangles by the parts of the surface between sharp edges."""
     smooth = np.ones(len(mesh.edges), bool)
     smooth[sharp] = False
-    return components(mesh.triangle_count, _edge_triangles(mesh)[smooth])
+    return components(mesh.triangle_count, mesh.edge_triangles[smooth])
 
 
 def corners_of(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
@@ -78,12 +78,6 @@ def corners_of(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
     # Two unit vectors that leave a vertex add up to 0 where they go straight on.
     bends = np.linalg.norm(leaving, axis=1) > np.sqrt(2 - 2 * SHARP)
     return np.flatnonzero((degree > 0) & ((degree != 2) | bends))
-
-
-def _edge_triangles(mesh: TriangleMesh) -> np.ndarray:
-    """Find the (e, 2) triangles at the edges of a closed mesh."""
-    order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
-    return order.reshape(-1, 2) // 3
 
 
 def _move_to_corners(moves: "_Moves", boundary: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:
