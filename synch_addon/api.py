@@ -25,7 +25,7 @@ from ..core.settings.keywords import BakeKeywords, LayerKeywords, LineKeywords, 
 from ..core.settings.layers import LayerSettings
 from ..core.settings.lines import LineSettings
 from ..core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
-from ..core.tasks.surfaces import SurfaceResult
+from ..core.tasks.surface_result import SurfaceResult
 from ..core.validation import convert_value, from_names
 from .bakes.job import BakeJob
 from .blender import field_files, meshes

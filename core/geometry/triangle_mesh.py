@@ -161,6 +161,14 @@ class TriangleMesh:
         """V - E + F over all pieces, loose vertices left out."""
         return self.vertex_count - len(self.loose_vertices) - len(self.edges) + self.triangle_count
 
+    @property
+    def piece_euler_characteristics(self) -> np.ndarray:
+        """(p,) V - E + F of each piece, 1 for a loose vertex."""
+        count = self.pieces.max(initial=-1) + 1
+        firsts = (np.arange(self.vertex_count), self.edges[:, 0], self.triangles[:, 0])
+        vertices, edges, triangles = (np.bincount(self.pieces[first], minlength=count) for first in firsts)
+        return vertices - edges + triangles
+
     # Lengths, angles and areas
 
     @cached_property

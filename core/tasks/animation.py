@@ -12,7 +12,8 @@ from ..geometry import TriangleMesh
 from ..geometry.polygons import Polygons
 from ..interpolate import EdgePhases
 from ..monitor import Callback, portion
-from .surfaces import PatternResult, SurfaceRequest
+from .surface_result import PatternResult
+from .surfaces import SurfaceRequest
 
 # The first frame is a whole solve: it takes this many times the work of another frame.
 _FIRST = 4

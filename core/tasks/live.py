@@ -14,7 +14,8 @@ from ..geometry import TriangleMesh
 from ..monitor import Callback, portion
 from ..solution import FIRST
 from ..solve.warm_start import Follower
-from .surfaces import PatternResult, SurfaceRequest
+from .surface_result import PatternResult
+from .surfaces import SurfaceRequest
 
 # How a pattern settles when no setting changes any more: another one at first, then a whole solve near that.
 ANEW, NEAR = "anew", "near"

@@ -2,8 +2,8 @@
 """Quad meshes with a wanted number of faces, and with fewer long loops."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,15 +17,15 @@ from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.curl_removal import keep_factors
-from ..fields.patterns import untangle
 from ..fields.target_one_form import TargetOneForm
-from ..monitor import Callback, Monitor, portion
+from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
-from .close_loops import close_loops
+from .quad_drafts import FEW, Draft, complete, draw, finish, with_tunnels_closed
+from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
-    from .surfaces import PatternResult, SurfaceRequest, SurfaceResult
+    from .surfaces import SurfaceRequest
 
 # Largest relative errors of the number of faces without more tries, and without a warning.
 NEAR, FAR = 0.03, 0.05
@@ -33,10 +33,6 @@ NEAR, FAR = 0.03, 0.05
 TRIES, ENOUGH = 7, 3
 # Largest ratio of the wanted to the found number of faces that a correction of the spacing relies on.
 MOST_CHANGE = 16.0
-# Most corrections of a pattern with dislocations.
-CORRECTIONS = 3
-# Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
-FEW = 300
 # A traced mesh with more than this many times FEW faces, where fewer than FEW were expected, is not finished.
 SPOILT = 2
 # Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
@@ -49,11 +45,9 @@ SHORT = 4.0
 BAD_ANGLE = 10.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
-# Shares of the work on a pattern after which its loops are closed, and its quads smoothed.
-_CLOSING, _SMOOTHING = 0.3, 0.9
 
 
-def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
+def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> SurfaceResult:
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
 
     A bad mesh, and one that does not follow its boundaries and sharp edges, is solved again (:func:`_solve_again`).
@@ -86,7 +80,7 @@ class _LostLines:
         return float(lost / self.all_lengths.sum()) if lost > 0 else 0.0
 
 
-def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["SurfaceResult", _LostLines]:
+def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple[SurfaceResult, _LostLines]:
     """The result of one solve, and the lines that it loses."""
     wanted = request
     if _is_default_search(request):  # directions are searched for on a coarse stage: their energies are as low
@@ -102,8 +96,8 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple["Surfa
 
 
 def _solve_again(
-    request: "SurfaceRequest", found: "SurfaceResult", lost: _LostLines, progress: Callback | None
-) -> tuple["SurfaceResult", _LostLines, tuple[str, ...]]:
+    request: "SurfaceRequest", found: SurfaceResult, lost: _LostLines, progress: Callback | None
+) -> tuple[SurfaceResult, _LostLines, tuple[str, ...]]:
     """The best of a mesh and of others, the lines it loses, and faults.
 
     Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
@@ -125,7 +119,7 @@ def _solve_again(
     return found, lost, ()
 
 
-def _try(request: "SurfaceRequest", progress: Callback | None) -> tuple["SurfaceResult", _LostLines] | None:
+def _try(request: "SurfaceRequest", progress: Callback | None) -> tuple[SurfaceResult, _LostLines] | None:
     try:
         return _solve(request, progress)
     except SettingError:
@@ -137,28 +131,28 @@ def _count_links(request: "SurfaceRequest") -> int:
     return sum(len(row.line.links) for row in request.rows)
 
 
-def _is_bad(result: "SurfaceResult", faces: int) -> bool:
+def _is_bad(result: SurfaceResult, faces: int) -> bool:
     """Whether the corners of a quad mesh are far from right angles, or its number of faces from the wanted one."""
     return _mean_angle(result) > BAD_ANGLE or _misses(result, faces) > FAR
 
 
-def _is_better(result: "SurfaceResult", other: "SurfaceResult", faces: int) -> bool:
+def _is_better(result: SurfaceResult, other: SurfaceResult, faces: int) -> bool:
     """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer."""
     return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(FAR, _misses(other, faces))
 
 
-def _mean_angle(result: "SurfaceResult") -> float:
+def _mean_angle(result: SurfaceResult) -> float:
     """Mean of |angle - 90| over all corners, in degrees."""
     assert result.quads is not None
     return quality(result.quads)["angle_deviation"]
 
 
-def _misses(result: "SurfaceResult", faces: int) -> float:
+def _misses(result: SurfaceResult, faces: int) -> float:
     """Relative error of the number of faces, 0 where none is wanted."""
     return abs(_face_count(result) / faces - 1) if faces else 0.0
 
 
-def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":
+def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> SurfaceResult | None:
     """A first result with quads, in a small part of the time of :func:`solve_quad_mesh`; None if they are not a mesh.
 
     It has first fields, the number of faces estimated from the area, and no smoothing.
@@ -168,7 +162,7 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
         directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
         if quick.settings.faces:
             quick = _scale_spacing(quick, _first_factor(quick, directions))
-        return _finish(_draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
+        return finish(draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
     except Cancelled:
         raise
     except SynchError:
@@ -183,7 +177,7 @@ def _first_factor(request: "SurfaceRequest", directions: DirectionField) -> floa
     return max(float(np.sqrt(YIELD * one_form.quad_count / faces)), least)
 
 
-def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> "SurfaceResult":
+def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> SurfaceResult:
     """The mesh along a field, with a number of faces as near as possible to the wanted one.
 
     Faces are counted in the phases; only meshes with nearly the wanted number are traced and finished.
@@ -194,9 +188,15 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         request = replace(request, options=replace(request.options, method=FIRST))
     if not faces:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_close(_settle(_draw(request, directions, part)), part), part)
+        draft = draw(request, directions, part)
+        try:
+            return complete(draft, part)
+        except SettingError:
+            if draft.face_count < FEW:
+                raise
+            return complete(with_tunnels_closed(draft), part)
     spacing = _SpacingFactor(_first_factor(request, directions), faces)
-    drafts: list[_Draft] = []
+    drafts: list[Draft] = []
     found: list[SurfaceResult] = []
     wanted = float(faces)  # of quads for which phases have room, as finished meshes may have more
     for number in range(TRIES):
@@ -205,7 +205,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
         try:
-            drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
+            drafts.append(draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
             # Tracing raises SettingError if the quads are too large for a mesh, before more work goes into it.
             traced = len(request.trace(drafts[-1].result.pattern)[0].sizes) if count < FEW else 0
@@ -213,7 +213,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
                 drafts.pop()
                 count = traced
             elif drafts[-1].misses(wanted) <= NEAR:
-                found.append(_finish(_close(_settle(drafts.pop()), part), part))
+                found.append(complete(drafts.pop(), part))
                 if _misses(found[-1], faces) <= NEAR:
                     return found[-1]
                 wanted = faces * count / _face_count(found[-1])
@@ -229,11 +229,11 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
     return replace(best, warnings=(*best.warnings, *_about_faces(request, faces, _face_count(best))))
 
 
-def _best_count(faces: int, wanted: float, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
+def _best_count(faces: int, wanted: float, drafts: list[Draft], found: list[SurfaceResult]) -> SurfaceResult:
     """The finished mesh with the number of faces nearest to the wanted one.
 
     The nearest draft is finished if it is nearer, and others as long as the number of faces is far from the wanted one.
-    Raises SettingError if the quads of all drafts are too large for a mesh.
+    Where the quads of all drafts are too large for a mesh, narrow tunnels are closed.
     """
     results = found.copy()
     for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
@@ -241,9 +241,13 @@ def _best_count(faces: int, wanted: float, drafts: list["_Draft"], found: list["
         if misses <= draft.misses(wanted) or (len(results) > len(found) and misses <= FAR):
             break
         try:
-            results.append(_finish(_close(_settle(draft), None)))
+            results.append(complete(draft))
         except SettingError:
             continue
+    if not results and drafts:
+        nearest = min(drafts, key=lambda draft: draft.misses(wanted))
+        with suppress(SettingError):
+            results += [complete(with_tunnels_closed(nearest))] if nearest.face_count >= FEW else []
     if not results:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
     return min(results, key=lambda result: _misses(result, faces))
@@ -272,66 +276,6 @@ class _SpacingFactor:
         self.factor = float(np.sqrt(np.prod(self._bounds))) if self._bounds[0] > 0 else self.factor / 2
 
 
-@dataclass(frozen=True)
-class _Draft:
-    """A result without quads, and its request."""
-
-    request: "SurfaceRequest"
-    result: "PatternResult"
-
-    @cached_property
-    def face_count(self) -> float:
-        """Number of faces; without branching that of quads for which the phases have room, mostly within 1 % of it."""
-        pattern = self.result.pattern
-        if not self.request.has_only_quads:
-            return len(self.request.trace(pattern)[0].sizes)
-        return pattern.one_form.reaching(pattern.edge_phases.changes).quad_count
-
-    @cached_property
-    def dislocations(self) -> int:
-        return len(self.result.pattern.dislocations)
-
-    def misses(self, wanted: float) -> float:
-        """Relative error of the number of faces."""
-        return abs(self.face_count / wanted - 1)
-
-
-def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> _Draft:
-    """The draft of the pattern along a field."""
-    part = portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0)
-    return _Draft(request, request.along(directions, part))
-
-
-def _settle(draft: _Draft) -> _Draft:
-    """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
-    for _ in range(CORRECTIONS):
-        if draft.request.options.method != FIRST or not draft.dislocations:
-            break
-        pattern = untangle(draft.result.pattern, draft.request.options)
-        corrected = replace(draft, result=replace(draft.result, pattern=pattern))
-        if corrected.dislocations >= draft.dislocations:
-            break
-        draft = corrected
-    return draft
-
-
-def _close(draft: _Draft, progress: Callback | None) -> _Draft:
-    """The draft with more of its quads in short loops, if that is asked for and lines do not branch."""
-    request = draft.request
-    if request.settings.loops == 0 or request.settings.branching != 0:
-        return draft
-    pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
-    return _Draft(request, replace(draft.result, pattern=pattern, loops_before=before))
-
-
-def _finish(draft: _Draft, progress: Callback | None = None) -> "SurfaceResult":
-    """The result with its quads, and the settings with which they were made."""
-    Monitor(progress).at("smoothing", _SMOOTHING)
-    request = draft.request
-    settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
-    return replace(draft.result, **request.finish(*request.trace(draft.result.pattern)), settled=settled)
-
-
 def _is_default_search(request: "SurfaceRequest") -> bool:
     """Whether a smaller search may replace the default one: it has no other settings and no start."""
     options = request.options
@@ -342,7 +286,7 @@ def _scale_spacing(request: "SurfaceRequest", factor: float) -> "SurfaceRequest"
     return replace(request, spacing=factor * request.spacing, spacings=factor * np.asarray(request.spacings))
 
 
-def _face_count(result: "SurfaceResult") -> int:
+def _face_count(result: SurfaceResult) -> int:
     return 0 if result.quads is None else len(result.quads.sizes)
 
 

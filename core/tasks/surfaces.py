@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Directions, stripes, quads and quad meshes on one surface."""
 
-import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
-from ..extract.quads.finishing import check_quads, finish_quads
+from ..extract.quads.finishing import finish_quads, sound_quads
 from ..extract.quads.mirror import MirrorSide, plane_edges
 from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from ..fields import (
@@ -53,6 +52,7 @@ from ..solve import Options
 from ..solve.warm_start import Follower
 from .glimpse import Picture, glimpse
 from .quad_meshes import draft_quad_mesh, solve_quad_mesh
+from .surface_result import PatternResult, SurfaceResult
 from .surface_source import SurfaceSource
 
 # Commands with a pattern, and those with pictures of intermediate results.
@@ -89,6 +89,7 @@ class SurfaceRequest:
     detail : part of a quad's side over which curvature has to vary to turn the directions of a quad mesh
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
+    closes_tunnels : whether quads may be too large for handles, which are then closed
     """
 
     command: str
@@ -102,6 +103,7 @@ class SurfaceRequest:
     pins: tuple[tuple[int, float], ...] = ()
     detail: float = DETAIL
     start: tuple[np.ndarray, np.ndarray] | None = None
+    closes_tunnels: bool = False
 
     @classmethod
     def of(cls, command: str, source: SurfaceSource, settings: SurfaceSettings) -> "SurfaceRequest":
@@ -304,14 +306,14 @@ class SurfaceRequest:
         return mirror_planes(self.given.stretch, self.settings.mirror)
 
     def trace(self, pattern: Pattern) -> tuple[QuadMesh, dict[str, float]]:
-        """The quad mesh of a pattern's grid lines before finishing, and the seconds; errors as :func:`check_quads`.
+        """The quad mesh of a pattern's grid lines before finishing, and the seconds; errors as :func:`sound_quads`.
 
         It is on :attr:`mirror_side`.
         """
         clock, side = Clock(), self.mirror_side
         with clock("extract"):
             quads = quad_mesh(pattern.edge_phases) if side is None else side.trace(pattern.edge_phases)
-            check_quads(quads, self.given.mesh if side is None else side.mesh)
+            quads = sound_quads(quads, self.given.mesh if side is None else side.mesh, self.closes_tunnels)
         return quads, clock.seconds
 
     def finish(self, quads: QuadMesh, seconds: dict[str, float]) -> _Finished:
@@ -319,7 +321,7 @@ class SurfaceRequest:
         clock, side = Clock(), self.mirror_side
         clock.add(seconds)
         with clock("extract"):
-            rules = self.rows, self.settings.smoothing, self.has_only_quads
+            rules = self.rows, self.settings.smoothing, self.has_only_quads, self.closes_tunnels
             quads = finish_quads(quads, self.given.mesh, *rules) if side is None else side.finish(quads, *rules)
         return {"quads": quads, "seconds": clock.seconds}
 
@@ -367,34 +369,3 @@ def _feature_rows(
     if settings.mirror:
         edges = np.union1d(edges, plane_edges(given.mesh, mirror_planes(given.stretch, settings.mirror)))
     return (feature_row(given.mesh, edges),) if len(edges) else ()
-
-
-@dataclass(frozen=True)
-class SurfaceResult:
-    """The result of a :class:`SurfaceRequest`.
-
-    Attributes
-    ----------
-    field, pattern, quads : as far as the command has them
-    forced_dislocations : number of dislocations that exact directions and spacing would need
-    warnings : for the user
-    seconds : times of parts of the work other than solves, by name
-    settled : settings, by name, that replaced the wanted ones
-    loops_before : figures of the loops before more of them were closed (:attr:`QuadLoops.figures`)
-    """
-
-    field: DirectionField
-    pattern: Pattern | None = None
-    quads: QuadMesh | None = None
-    forced_dislocations: float | None = None
-    warnings: tuple[str, ...] = ()
-    seconds: dict[str, float] = dataclasses.field(default_factory=dict)
-    settled: dict[str, float | None] = dataclasses.field(default_factory=dict)
-    loops_before: dict[str, float] | None = None
-
-
-@dataclass(frozen=True)
-class PatternResult(SurfaceResult):
-    """A result with a pattern."""
-
-    pattern: Pattern

@@ -13,6 +13,7 @@ from .features.chains import Chains, follow_features
 from .features.feature_lines import FeatureLines
 from .repair.all_quads import all_quads
 from .repair.edge_flips import flip_edges
+from .repair.narrow_tunnels import close_narrow_tunnels
 from .repair.quad_collapse import collapse_quads
 from .repair.tip_recovery import recover_tips
 from .smooth.fitting import fit_quads
@@ -31,6 +32,7 @@ def finish_quads(
     rows: Sequence[Row],
     rounds: int,
     only_quads: bool = False,
+    closes_tunnels: bool = False,
     apart: ArrayLike = (),
 ) -> QuadMesh:
     """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
@@ -44,12 +46,12 @@ def finish_quads(
     rows : of the constraint list; rows of phases hold the vertices on their lines
     rounds : number of smoothing steps
     only_quads : whether all faces become quads
+    closes_tunnels : whether handles of a closed surface may be lost
     apart : vertices that no new edge may join to one another
 
-    Raises SettingError for a pattern without faces, or whose faces would meet themselves, and for one that loses a
-    handle.
+    Errors as :func:`check_quads`.
     """
-    check_quads(quads, mesh)
+    check_quads(quads, mesh, closes_tunnels)
     features, chains = _feature_lines(mesh, rows), None
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
@@ -61,7 +63,7 @@ def finish_quads(
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
         chains = None if chains is None else chains.of_vertices(kept)
-    check_quads(quads, mesh)
+    check_quads(quads, mesh, closes_tunnels)
     if rounds == 0:
         return quads
     free, loose = _free(quads, mesh, rows, chains)
@@ -93,13 +95,26 @@ def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike =
     return FeatureLines.of(mesh, edges) if len(edges) else None
 
 
-def check_quads(quads: QuadMesh, mesh: TriangleMesh) -> None:
-    """Raise SettingError for quads that are not a mesh of the surface."""
+def sound_quads(quads: QuadMesh, mesh: TriangleMesh, closes_tunnels: bool) -> QuadMesh:
+    """The traced quads, checked; with ``closes_tunnels``, where they are too large for a handle, it is closed."""
+    quads = close_narrow_tunnels(quads) if closes_tunnels else quads
+    check_quads(quads, mesh, closes_tunnels)
+    return quads
+
+
+def check_quads(quads: QuadMesh, mesh: TriangleMesh, closes_tunnels: bool = False) -> None:
+    """Raise SettingError for quads that are not a mesh of the surface: without faces, with faces that meet themselves,
+    or, unless ``closes_tunnels``, without a handle of a closed surface.
+    """
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
     if not quads.is_simple:
         raise SettingError("the quads are too large for the mesh, some would meet themselves: reduce the spacing")
-    if not mesh.boundary_vertices.any() and quads.euler_characteristic > mesh.euler_characteristic:
+    if (
+        not closes_tunnels
+        and not mesh.boundary_vertices.any()
+        and quads.euler_characteristic > mesh.euler_characteristic
+    ):
         raise SettingError("the quads are too large for the mesh, a handle of it would be lost: reduce the spacing")
 
 

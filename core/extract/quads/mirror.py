@@ -105,11 +105,13 @@ class MirrorSide:
         sizes = quads.sizes + np.bincount(quads.corner_faces[at], minlength=len(quads.sizes))
         return replace(quads, corner_vertices=np.insert(quads.corner_vertices, at + 1, added), sizes=sizes)
 
-    def finish(self, quads: QuadMesh, rows: Sequence[Row], rounds: int, only_quads: bool) -> QuadMesh:
+    def finish(
+        self, quads: QuadMesh, rows: Sequence[Row], rounds: int, only_quads: bool, closes_tunnels: bool = False
+    ) -> QuadMesh:
         """The quad mesh of the whole surface, of a traced one of the part; see :func:`finish_quads`."""
         own = [self._row(row) for row in rows]
         apart = np.flatnonzero(self._vertices_on_planes(quads).any(axis=1))
-        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, apart)
+        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, closes_tunnels, apart)
         quads = _without_tips(quads, self._vertices_on_planes(quads))
         on_planes = self._vertices_on_planes(quads)
         for k, unit in enumerate(self.units):
@@ -117,7 +119,7 @@ class MirrorSide:
             on_planes = on_planes[source]
         _, triangles = self.whole.finder.nearest(quads.vertices)
         quads = replace(quads, triangles=triangles, weights=barycentric(self.whole, triangles, quads.vertices))
-        check_quads(quads, self.whole)
+        check_quads(quads, self.whole, closes_tunnels)
         return quads
 
     def _vertices_on_planes(self, quads: QuadMesh) -> np.ndarray:

@@ -19,7 +19,7 @@ from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement.spacing import faces_of_factor, smallest_sides, spacing_factor
 from synch_fields.core.settings.surface import SurfaceSettings
-from synch_fields.core.tasks import quad_meshes, surfaces
+from synch_fields.core.tasks import quad_drafts, quad_meshes, surfaces
 from synch_fields.core.tasks.surface_source import SurfaceSource
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 
@@ -85,14 +85,14 @@ def test_a_number_that_cannot_be_met_is_said():
 
 def test_a_spike_makes_no_more_faces_than_the_search_can_use(monkeypatch):
     """The area of a needle says little of how many quads lie along it."""
-    counts, traced = [], quad_meshes._draw
+    counts, traced = [], quad_meshes.draw
 
     def count_faces(*arguments):
         found = traced(*arguments)
         counts.append(found.face_count)
         return found
 
-    monkeypatch.setattr(quad_meshes, "_draw", count_faces)
+    monkeypatch.setattr(quad_meshes, "draw", count_faces)
     ball = icosphere(2)
     ball.vertices[0] *= 1e6
     asked(TriangleMesh(ball.vertices, ball.triangles), faces=8, branching=1.0).solve()
@@ -109,7 +109,7 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
     def refuse(*_):
         raise SettingError("the quads are too large")
 
-    monkeypatch.setattr(quad_meshes, "_draw", refuse)
+    monkeypatch.setattr(quad_meshes, "draw", refuse)
     with pytest.raises(SettingError, match="7 faces are too few for a quad mesh of this surface"):
         asked(icosphere(2), faces=7).solve()
 
@@ -202,7 +202,7 @@ def test_a_draft_is_shown_before_the_mesh_and_leaves_it_as_it_is(faces):
 
 
 def test_a_draft_that_is_no_mesh_is_not_shown(monkeypatch):
-    draw, calls = quad_meshes._draw, []
+    draw, calls = quad_meshes.draw, []
 
     def refuse_the_draft(*arguments):
         calls.append(arguments)
@@ -210,7 +210,7 @@ def test_a_draft_that_is_no_mesh_is_not_shown(monkeypatch):
             raise SettingError("the quads are too large")
         return draw(*arguments)
 
-    monkeypatch.setattr(quad_meshes, "_draw", refuse_the_draft)
+    monkeypatch.setattr(quad_meshes, "draw", refuse_the_draft)
     shown = []
     assert asked(icosphere(3)).solve_showing(shown.append).quads is not None and shown == []
 
@@ -219,7 +219,7 @@ def test_corrections_end_where_they_leave_as_many_dislocations(monkeypatch):
     pattern = asked(icosphere(3)).solve().pattern
     monkeypatch.setattr(type(pattern), "dislocations", [1, 2])
     tried = []
-    monkeypatch.setattr(quad_meshes, "untangle", lambda pattern, _: tried.append(pattern) or pattern)
+    monkeypatch.setattr(quad_drafts, "untangle", lambda pattern, _: tried.append(pattern) or pattern)
     assert asked(icosphere(3)).solve().quads is not None
     assert len(tried) == 1
 

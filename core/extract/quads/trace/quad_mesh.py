@@ -268,11 +268,7 @@ def _add_island_faces(quads: QuadMesh, mesh: TriangleMesh) -> QuadMesh:
 def _rims_of_empty_disks(quads: QuadMesh, mesh: TriangleMesh) -> Iterator[np.ndarray]:
     """Vertices around each disk without faces, counterclockwise."""
     pieces = mesh.pieces
-    vertices, edges, triangles = (
-        np.bincount(pieces[of], minlength=mesh.vertex_count)
-        for of in (np.unique(mesh.triangles), mesh.edges[:, 0], mesh.triangles[:, 0])
-    )
-    is_empty_disk = vertices - edges + triangles == 1
+    is_empty_disk = mesh.piece_euler_characteristics == 1
     is_empty_disk[pieces[mesh.triangles[quads.triangles[quads.corner_vertices], 0]]] = False
     tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
     half = np.flatnonzero((mesh.twins < 0) & is_empty_disk[pieces[tails]])

@@ -15,7 +15,13 @@ SURFACE = TriangleMesh(CUBE, np.concatenate([FACES[:, [0, 1, 2]], FACES[:, [0, 2
 
 
 def quads(vertices=CUBE, faces=FACES):
-    return QuadMesh(np.array(vertices, float), None, None, np.ravel(faces), np.full(len(faces), len(faces[0])))
+    return QuadMesh(
+        np.array(vertices, float),
+        np.zeros(len(vertices), int),
+        None,
+        np.ravel(faces),
+        np.full(len(faces), len(faces[0])),
+    )
 
 
 def moved(number, place):

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A quad mesh before it is finished: a pattern of which quads are counted, corrected, traced and smoothed."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from ..fields import DirectionField
+from ..fields.patterns import untangle
+from ..monitor import Callback, Monitor, portion
+from ..solution import FIRST
+from .close_loops import close_loops
+from .surface_result import PatternResult, SurfaceResult
+
+if TYPE_CHECKING:
+    from .surfaces import SurfaceRequest
+
+# Most corrections of a pattern with dislocations.
+CORRECTIONS = 3
+# Quads of patterns with fewer may be too large for a mesh, whatever the wanted number.
+FEW = 300
+# Shares of the work on a pattern after which its loops are closed, and its quads smoothed.
+_CLOSING, _SMOOTHING = 0.3, 0.9
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A result without quads, and its request."""
+
+    request: "SurfaceRequest"
+    result: PatternResult
+
+    @cached_property
+    def face_count(self) -> float:
+        """Number of faces; without branching that of quads for which the phases have room, mostly within 1 % of it."""
+        pattern = self.result.pattern
+        if not self.request.has_only_quads:
+            return len(self.request.trace(pattern)[0].sizes)
+        return pattern.one_form.reaching(pattern.edge_phases.changes).quad_count
+
+    @cached_property
+    def dislocations(self) -> int:
+        return len(self.result.pattern.dislocations)
+
+    def misses(self, wanted: float) -> float:
+        """Relative error of the number of faces."""
+        return abs(self.face_count / wanted - 1)
+
+
+def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> Draft:
+    """The draft of the pattern along a field."""
+    part = portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0)
+    return Draft(request, request.along(directions, part))
+
+
+def _settle(draft: Draft) -> Draft:
+    """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
+    for _ in range(CORRECTIONS):
+        if draft.request.options.method != FIRST or not draft.dislocations:
+            break
+        pattern = untangle(draft.result.pattern, draft.request.options)
+        corrected = replace(draft, result=replace(draft.result, pattern=pattern))
+        if corrected.dislocations >= draft.dislocations:
+            break
+        draft = corrected
+    return draft
+
+
+def _close(draft: Draft, progress: Callback | None) -> Draft:
+    """The draft with more of its quads in short loops, if that is asked for and lines do not branch."""
+    request = draft.request
+    if request.settings.loops == 0 or request.settings.branching != 0:
+        return draft
+    pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
+    return Draft(request, replace(draft.result, pattern=pattern, loops_before=before))
+
+
+def with_tunnels_closed(draft: Draft) -> Draft:
+    """The draft with handles closed that are too narrow for its quads."""
+    return replace(draft, request=replace(draft.request, closes_tunnels=True))
+
+
+def complete(draft: Draft, progress: Callback | None = None) -> SurfaceResult:
+    """The result of a draft: corrected, with its loops closed, traced and smoothed."""
+    return finish(_close(_settle(draft), progress), progress)
+
+
+def finish(draft: Draft, progress: Callback | None = None) -> SurfaceResult:
+    """The result with its quads, and the settings with which they were made."""
+    Monitor(progress).at("smoothing", _SMOOTHING)
+    request = draft.request
+    settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
+    return replace(draft.result, **request.finish(*request.trace(draft.result.pattern)), settled=settled)

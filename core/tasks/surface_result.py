@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The result of a request on a surface."""
+
+import dataclasses
+from dataclasses import dataclass
+
+from ..extract.quads.trace.quad_mesh import QuadMesh
+from ..fields import DirectionField, Pattern
+
+
+@dataclass(frozen=True)
+class SurfaceResult:
+    """The result of a :class:`~.surfaces.SurfaceRequest`.
+
+    Attributes
+    ----------
+    field, pattern, quads : as far as the command has them
+    forced_dislocations : number of dislocations that exact directions and spacing would need
+    warnings : for the user
+    seconds : times of parts of the work other than solves, by name
+    settled : settings, by name, that replaced the wanted ones
+    loops_before : figures of the loops before more of them were closed (:attr:`QuadLoops.figures`)
+    """
+
+    field: DirectionField
+    pattern: Pattern | None = None
+    quads: QuadMesh | None = None
+    forced_dislocations: float | None = None
+    warnings: tuple[str, ...] = ()
+    seconds: dict[str, float] = dataclasses.field(default_factory=dict)
+    settled: dict[str, float | None] = dataclasses.field(default_factory=dict)
+    loops_before: dict[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class PatternResult(SurfaceResult):
+    """A result with a pattern."""
+
+    pattern: Pattern

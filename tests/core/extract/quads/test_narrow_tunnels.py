@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quads through which a tunnel or a handle passes that is narrower than they are."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SettingError
+from synch_fields.core.extract.quads.finishing import sound_quads
+from synch_fields.core.extract.quads.measure.faults import count_lost_handles
+from synch_fields.core.extract.quads.repair.narrow_tunnels import close_narrow_tunnels
+from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
+from synch_fields.core.geometry import TriangleMesh
+
+# A box of 3 x 3 x 1 cells; the corners of the cells in the middle of its top and of its bottom, seen from outside.
+TOP, BOTTOM = ("110", "210", "220", "120"), ("111", "121", "221", "211")
+
+
+def of_faces(*faces):
+    """The mesh of faces with named vertices; digits of a name are coordinates."""
+    names = sorted({name for face in faces for name in face})
+    places = np.array([[int(digit) for digit in name[:3]] for name in names], float)
+    count = len(names)
+    corners = np.array([names.index(name) for face in faces for name in face])
+    sizes = np.array([len(face) for face in faces])
+    return QuadMesh(places, np.zeros(count, int), np.eye(3)[np.zeros(count, int)], corners, sizes)
+
+
+def box(*left_out):
+    """The faces of the box, outward, with z downward, but those with the given corners."""
+    faces = []
+    for x in range(3):
+        for y in range(3):
+            square = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]
+            faces += [[f"{a}{b}0" for a, b in square], [f"{a}{b}1" for a, b in square[::-1]]]
+    rim = [(x, 0) for x in range(3)] + [(3, y) for y in range(3)]
+    rim += [(3 - x, 3) for x in range(3)] + [(0, 3 - y) for y in range(3)]
+    for (a, b), (c, d) in zip(rim, rim[1:] + rim[:1], strict=True):
+        faces.append([f"{c}{d}0", f"{a}{b}0", f"{a}{b}1", f"{c}{d}1"])
+    return [face for face in faces if set(face) not in [set(one) for one in left_out]]
+
+
+def cycles(quads):
+    """Each face as places, from its first place on."""
+    found = []
+    for corners in np.split(quads.corner_vertices, quads.starts[1:]):
+        places = [tuple(place) for place in quads.vertices[corners]]
+        first = places.index(min(places))
+        found.append(tuple(places[first:] + places[:first]))
+    return sorted(found)
+
+
+def is_closed(quads):
+    return set(quads.edges[1].tolist()) == {2}
+
+
+@pytest.mark.parametrize(
+    "through",
+    [
+        # The tunnel is inside of one face, which leads along an edge from the top to the bottom and back.
+        [[*TOP, "110", *BOTTOM, "111"]],
+        # Two faces share the tunnel, between two edges with the same ends.
+        [[*TOP, "110", "111"], [*BOTTOM, "111", "110"]],
+    ],
+)
+def test_a_tunnel_through_a_quad_is_closed(through):
+    given = of_faces(*box(TOP, BOTTOM), *through)
+    assert not given.is_simple and given.euler_characteristic < 2
+    made = close_narrow_tunnels(given)
+    assert cycles(made) == cycles(of_faces(*box()))
+    assert made.is_simple and is_closed(made) and made.euler_characteristic == 2
+
+
+def test_a_tube_of_two_quads_around_is_cut_off():
+    rings = [("110", "220"), ("112", "222"), ("113", "223"), ("111", "221")]
+    tube = [face for (a, b), (c, d) in pairwise(rings) for face in ([a, c, d, b], [b, d, c, a])]
+    ends = [["110", "210", "220"], ["110", "220", "120"], ["111", "221", "211"], ["111", "121", "221"]]
+    given = of_faces(*box(TOP, BOTTOM), *tube, *ends)
+    assert not is_closed(given)
+    made = close_narrow_tunnels(given)
+    assert cycles(made) == cycles(of_faces(*box(TOP, BOTTOM), *ends))
+    assert made.is_simple and is_closed(made)
+
+
+def test_a_mesh_without_narrow_tunnels_stays_as_it_is():
+    given = of_faces(*box())
+    made = close_narrow_tunnels(given)
+    assert cycles(made) == cycles(given) and len(made.vertices) == len(given.vertices)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_an_hourglass_the_larger_half_is_kept(order):
+    """Two edges with the same ends are around its waist, whichever order their faces come in."""
+    p, q, (a, b, c, d), (e, f, g, h) = "113", "223", TOP, ("115", "215", "225", "125")
+    large = [[a, b, q, p], [b, c, q], [c, d, p, q], [d, a, p]] + box(TOP)
+    small = [[f, e, p, q], [g, f, q], [h, g, q, p], [e, h, p], [e, f, g, h]]
+    made = close_narrow_tunnels(of_faces(*large, *small[::order]))
+    assert cycles(made) == cycles(of_faces(*large)) and made.is_simple and is_closed(made)
+
+
+def test_quads_that_meet_themselves_are_refused_unless_tunnels_may_be_closed():
+    cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    surface = TriangleMesh(cube, np.array([[0, 1, 2], [2, 1, 3]]))
+    given = of_faces(*box(TOP, BOTTOM), [*TOP, "110", *BOTTOM, "111"])
+    with pytest.raises(SettingError, match="some would meet themselves"):
+        sound_quads(given, surface, False)
+    assert sound_quads(given, surface, True).is_simple
+
+
+def torus(rings, sides):
+    """Triangles of a torus."""
+    ring, side = np.divmod(np.arange(rings * sides), sides)
+    along, around = 2 * np.pi * ring / rings, 2 * np.pi * side / sides
+    width = 2 + np.cos(around)
+    places = np.column_stack([width * np.cos(along), width * np.sin(along), np.sin(around)])
+    beside = ring * sides + (side + 1) % sides
+    ahead, across = (np.arange(len(ring)) + sides) % len(ring), (beside + sides) % len(ring)
+    first = np.column_stack([np.arange(len(ring)), ahead, across])
+    return TriangleMesh(places, np.concatenate([first, np.column_stack([np.arange(len(ring)), across, beside])]))
+
+
+def test_lost_handles_are_counted():
+    surface = torus(6, 5)
+    assert surface.piece_euler_characteristics.tolist() == [0]
+    assert count_lost_handles(of_faces(*box()), surface) == 1
+    ring = of_faces(*box(TOP, BOTTOM), *([a, d, c, b] for a, b, c, d in walls()))
+    assert is_closed(ring) and ring.euler_characteristic == 0
+    assert count_lost_handles(ring, surface) == 0
+    # A second piece that has no quads is none of its handles.
+    both = TriangleMesh(
+        np.concatenate([surface.vertices, surface.vertices + 9]),
+        np.concatenate([surface.triangles, surface.triangles + surface.vertex_count]),
+    )
+    assert count_lost_handles(ring, both) == 0
+    opened = TriangleMesh(surface.vertices, surface.triangles[1:])
+    assert count_lost_handles(of_faces(*box()), opened) == 0
+
+
+def walls():
+    """The walls of the tunnel between the middles of the top and the bottom."""
+    for a, b in zip(TOP, [*TOP[1:], TOP[0]], strict=True):
+        yield a, b, b[:2] + "1", a[:2] + "1"
