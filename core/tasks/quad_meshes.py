@@ -41,8 +41,9 @@ YIELD = 0.97
 LOST, _AGAIN = 0.02, 0.1
 # A mesh is not solved again for lines of at most so many sides of quads: on scans most of these are noise.
 SHORT = 4.0
-# Mean of |angle - 90| over the corners, in degrees, beyond which crowded sharp edges are left out.
-BAD_ANGLE = 10.0
+# Mean of |angle - 90| over the corners, in degrees: beyond the larger one, crowded sharp edges are left out, and up to
+# the smaller one, a mesh with narrow tunnels closed is better than one with another number of faces.
+BAD_ANGLE, GOOD_ANGLE = 10.0, 6.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
 
@@ -197,6 +198,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             return complete(with_tunnels_closed(draft), part)
     spacing = _SpacingFactor(_first_factor(request, directions), faces)
     drafts: list[Draft] = []
+    refused: list[Draft] = []  # with quads that are too large for a mesh
     found: list[SurfaceResult] = []
     wanted = float(faces)  # of quads for which phases have room, as finished meshes may have more
     for number in range(TRIES):
@@ -213,7 +215,9 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
                 drafts.pop()
                 count = traced
             elif drafts[-1].misses(wanted) <= NEAR:
-                found.append(complete(drafts.pop(), part))
+                refused.append(drafts.pop())
+                found.append(complete(refused[-1], part))
+                refused.pop()
                 if _misses(found[-1], faces) <= NEAR:
                     return found[-1]
                 wanted = faces * count / _face_count(found[-1])
@@ -225,17 +229,20 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             spacing.be_smaller()
             continue
         spacing.correct(count * faces / wanted)
-    best = _best_count(faces, wanted, drafts, found)
+    best = _best_count(faces, wanted, drafts, refused, found)
     return replace(best, warnings=(*best.warnings, *_about_faces(request, faces, _face_count(best))))
 
 
-def _best_count(faces: int, wanted: float, drafts: list[Draft], found: list[SurfaceResult]) -> SurfaceResult:
+def _best_count(
+    faces: int, wanted: float, drafts: list[Draft], refused: list[Draft], found: list[SurfaceResult]
+) -> SurfaceResult:
     """The finished mesh with the number of faces nearest to the wanted one.
 
     The nearest draft is finished if it is nearer, and others as long as the number of faces is far from the wanted one.
-    Where the quads of all drafts are too large for a mesh, narrow tunnels are closed.
+    If it stays far from that, narrow tunnels are closed in a draft whose quads are too large for them, unless that
+    makes bad corners.
     """
-    results = found.copy()
+    results, refused = found.copy(), refused.copy()
     for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
         misses = min((_misses(result, faces) for result in results), default=np.inf)
         if misses <= draft.misses(wanted) or (len(results) > len(found) and misses <= FAR):
@@ -243,14 +250,17 @@ def _best_count(faces: int, wanted: float, drafts: list[Draft], found: list[Surf
         try:
             results.append(complete(draft))
         except SettingError:
-            continue
-    if not results and drafts:
-        nearest = min(drafts, key=lambda draft: draft.misses(wanted))
+            refused.append(draft)
+    best = min(results, key=lambda result: _misses(result, faces), default=None)
+    nearest = min(refused, key=lambda draft: draft.misses(wanted), default=None)
+    if nearest and nearest.face_count >= FEW and (best is None or nearest.misses(wanted) < FAR < _misses(best, faces)):
         with suppress(SettingError):
-            results += [complete(with_tunnels_closed(nearest))] if nearest.face_count >= FEW else []
-    if not results:
+            closed = complete(with_tunnels_closed(nearest))
+            if best is None or _mean_angle(closed) <= max(GOOD_ANGLE, _mean_angle(best)):
+                return closed
+    if best is None:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
-    return min(results, key=lambda result: _misses(result, faces))
+    return best
 
 
 class _SpacingFactor:

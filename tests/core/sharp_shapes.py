@@ -141,3 +141,26 @@ def samples(mesh, edges, count=5):
     shares = ((np.arange(count) + 0.5) / count)[:, None, None]
     a, b = np.moveaxis(mesh.vertices[mesh.edges[edges]], 1, 0)
     return (a + shares * (b - a)).reshape(-1, 3)
+
+
+def plate_with_holes(holes, size=8.0, side=0.3, thickness=0.3, step=0.3):
+    """A closed square plate with square holes of a side at all pairs of coordinates, in cells of at most a step."""
+    marks = sorted({0.0, size} | {hole + way * side / 2 for hole in holes for way in (-1, 1)})
+    parts = [np.linspace(a, b, int(np.ceil((b - a) / step - 1e-9)) + 1)[:-1] for a, b in pairwise(marks)]
+    lines = np.append(np.concatenate(parts), size)
+    in_hole = (np.abs((lines[:-1] + lines[1:]) / 2 - np.reshape(holes, (-1, 1))) < side / 2).any(axis=0)
+    solid = np.pad(~(in_hole[:, None] & in_hole), 1)
+    count = len(lines)
+    places = np.stack(np.meshgrid(lines, lines, [0, thickness], indexing="ij"), axis=-1).reshape(-1, 3)
+    quads = []
+    for i, j in np.argwhere(solid[1:-1, 1:-1]).tolist():
+        corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+        low = [2 * (count * a + b) for a, b in corners]
+        quads += [[vertex + 1 for vertex in low], low[::-1]]
+        for k, (a, b) in enumerate([(0, -1), (1, 0), (0, 1), (-1, 0)]):
+            if not solid[1 + i + a, 1 + j + b]:
+                first, second = low[k], low[(k + 1) % 4]
+                quads.append([first, second, second + 1, first + 1])
+    used, corners = np.unique(quads, return_inverse=True)
+    corners = corners.reshape(-1, 4)
+    return TriangleMesh(places[used], np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]]))

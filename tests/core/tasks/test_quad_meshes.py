@@ -25,7 +25,7 @@ from synch_fields.core.tasks.surfaces import SurfaceRequest
 
 from ..flat_crosses import plane_crosses
 from ..meshes import bumpy_torus, icosphere, square, torus
-from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, samples, wedge
+from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, plate_with_holes, samples, wedge
 
 
 def asked(mesh, rows=(), directions=None, factors=1.0, **settings):
@@ -253,3 +253,17 @@ def test_crowded_sharp_edges_are_left_out_where_a_bad_mesh_gets_better(faces, mo
     if told:
         with pytest.raises(SettingError, match="run beside others"):
             replace(request, settings=replace(request.settings, strict=True)).solve()
+
+
+@pytest.mark.parametrize("asked_for", [{"faces": 500}, {"faces": 800}, {"spacing": 0.95}])
+def test_holes_narrower_than_a_quad_are_closed_where_quads_would_meet_themselves(asked_for):
+    mesh = plate_with_holes((2, 4, 6), side=0.15)
+    assert mesh.euler_characteristic == 2 - 2 * 9
+    result = asked(mesh, features=ANGLE, smoothing=20, **asked_for).solve()
+    lost, faces = (result.quads.euler_characteristic - mesh.euler_characteristic) // 2, len(result.quads.sizes)
+    assert 0 < lost <= 9
+    assert faces == pytest.approx(asked_for.get("faces", mesh.areas.sum() / 0.475**2), rel=0.08)
+    assert (result.quads.edges[1] == 2).all() and quality(result.quads)["folds"] < 0.01 * faces
+    assert any(f"{lost} of 9 tunnels or handles of the surface" in line for line in result.warnings)
+    # The plate is as large as before, and its flat sides are where they were.
+    assert np.ptp(result.quads.vertices, axis=0) == pytest.approx([8, 8, 0.3])

@@ -26,13 +26,13 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     short = int((lengths < SHORTEST * np.median(lengths)).sum())
     large = int((quads.sizes > MOST_CORNERS).sum())
     away = distance(quads, mesh, FARTHEST * figures["edge_length"])
-    faces, lost = len(quads.sizes), count_lost_handles(quads, mesh)
+    faces, (lost, handles) = len(quads.sizes), count_lost_handles(quads, mesh)
     found = (
         (short, f"{short} of {len(lengths)} edges of the quad mesh have no length"),
         (large, f"{large} of {faces} faces have more than {MOST_CORNERS} corners"),
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
-        (lost > 0, f"{lost} tunnels or handles of the surface are too narrow for the quads and left out"),
+        (lost > 0, f"{lost} of {handles} tunnels or handles of the surface are narrower than the quads and left out"),
         (
             away > FARTHEST * figures["edge_length"],
             f"the quad mesh is {away:.3g} away from the surface where it is farthest, at an edge of "
@@ -42,14 +42,17 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     return tuple(f"{line}: {REMEDY}" for is_there, line in found if is_there)
 
 
-def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> int:
-    """Count the handles of a closed surface that its quad mesh lacks, without pieces that it leaves out; 0 if open."""
+def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:
+    """Count the handles of a closed surface that its quad mesh lacks, and all of them; none if it is open.
+
+    Pieces that the quad mesh leaves out are not counted.
+    """
     if len(mesh.boundary_edges):
-        return 0
+        return 0, 0
     kept = np.unique(mesh.pieces[mesh.triangles[quads.triangles, 0]])
+    handles = int((2 - mesh.piece_euler_characteristics[kept]).sum()) // 2
     parts = components(len(quads.vertices), quads.half_edges).max(initial=-1) + 1
-    of_surface = 2 * len(kept) - mesh.piece_euler_characteristics[kept].sum()
-    return int(of_surface - (2 * parts - quads.euler_characteristic)) // 2
+    return handles - (2 * parts - quads.euler_characteristic) // 2, handles
 
 
 def distance(quads: QuadMesh, mesh: TriangleMesh, enough: float = 0.0) -> float:
