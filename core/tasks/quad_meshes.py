@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
-from ..extract.quads.finishing import lost_lines
+from ..extract.quads.finishing import TooLargeQuads, lost_lines
 from ..extract.quads.measure.faults import REMEDY, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
+# Share of unsound faces beyond which other spacings with about as many faces are not tried.
+HOPELESS = 0.01
 # Largest ratio of the wanted to the found number of faces that a correction of the spacing relies on.
 MOST_CHANGE = 16.0
 # A traced mesh with more than this many times FEW faces, where fewer than FEW were expected, is not finished.
@@ -225,7 +227,9 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             raise
         except TooManyLines as error:
             raise SettingError(f"{faces} faces are too many for this mesh ({error}): ask for fewer") from None
-        except SettingError:
+        except SettingError as error:
+            if refused and isinstance(error, TooLargeQuads) and error.share > HOPELESS:
+                break
             spacing.be_smaller()
             continue
         spacing.correct(count * faces / wanted)

@@ -95,6 +95,19 @@ def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike =
     return FeatureLines.of(mesh, edges) if len(edges) else None
 
 
+class TooLargeQuads(SettingError):
+    """Quads that are too large for their surface.
+
+    Attributes
+    ----------
+    share : of the faces that are unsound
+    """
+
+    def __init__(self, message: str, share: float = 0.0) -> None:
+        super().__init__(f"the quads are too large for the mesh, {message}: reduce the spacing")
+        self.share = share
+
+
 def sound_quads(quads: QuadMesh, mesh: TriangleMesh, closes_tunnels: bool) -> QuadMesh:
     """The traced quads, checked; with ``closes_tunnels``, where they are too large for a handle, it is closed."""
     quads = close_narrow_tunnels(quads) if closes_tunnels else quads
@@ -108,14 +121,15 @@ def check_quads(quads: QuadMesh, mesh: TriangleMesh, closes_tunnels: bool = Fals
     """
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
-    if not quads.is_simple:
-        raise SettingError("the quads are too large for the mesh, some would meet themselves: reduce the spacing")
+    unsound = quads.is_unsound
+    if unsound.any():
+        raise TooLargeQuads("some would meet themselves", unsound.mean())
     if (
         not closes_tunnels
         and not mesh.boundary_vertices.any()
         and quads.euler_characteristic > mesh.euler_characteristic
     ):
-        raise SettingError("the quads are too large for the mesh, a handle of it would be lost: reduce the spacing")
+        raise TooLargeQuads("a handle of it would be lost")
 
 
 def _free(

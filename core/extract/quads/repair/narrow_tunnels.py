@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ....graphs import components, ragged_arange
-from ..trace.quad_mesh import QuadMesh
+from ..trace.quad_mesh import QuadMesh, repeats
 
 
 def close_narrow_tunnels(quads: QuadMesh) -> QuadMesh:
@@ -24,7 +24,7 @@ def close_narrow_tunnels(quads: QuadMesh) -> QuadMesh:
     quads = quads.with_faces(np.concatenate(faces), np.array([len(face) for face in faces]))
     names = np.unique(np.sort(quads.half_edges, axis=1) @ [len(quads.vertices), 1], return_inverse=True)[1]
     divided = _divide_vertices(quads, names, np.empty(0, int))
-    crossed = names[_find_doubles(divided)]
+    crossed = names[repeats(divided.half_edges)]
     return _largest_parts(divided if len(crossed) == 0 else _divide_vertices(quads, names, crossed), before)
 
 
@@ -39,13 +39,6 @@ def _simple_faces(quads: QuadMesh) -> Iterator[np.ndarray]:
                     yield np.array(way[at:])
                 del way[at:]
             way.append(corner)
-
-
-def _find_doubles(quads: QuadMesh) -> np.ndarray:
-    """Find half-edges with the same two ends as others, (c,) bool."""
-    _, labels, counts = np.unique(quads.half_edges, axis=0, return_inverse=True, return_counts=True)
-    doubles: np.ndarray = counts[labels.ravel()] > 1
-    return doubles
 
 
 def _divide_vertices(quads: QuadMesh, names: np.ndarray, crossed: np.ndarray) -> QuadMesh:

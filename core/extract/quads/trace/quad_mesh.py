@@ -70,15 +70,18 @@ class QuadMesh:
     @property
     def is_simple(self) -> bool:
         """Whether faces have three or more different corners, and no two faces or edges have the same vertices."""
-        if self.sizes.min(initial=3) < 3:
-            return False
+        return not self.is_unsound.any()
+
+    @property
+    def is_unsound(self) -> np.ndarray:
+        """(f,) bool: faces without three different corners, or with the vertices or a half-edge of another one."""
+        result = self.sizes < 3
         for size in np.unique(self.sizes):
-            of_size = np.sort(self.corner_vertices[self.starts[self.sizes == size, None] + np.arange(size)], axis=1)
-            if len(np.unique(of_size, axis=0)) < len(of_size):
-                return False
+            faces = np.flatnonzero(self.sizes == size)
+            result[faces] |= repeats(np.sort(self.corner_vertices[self.starts[faces, None] + np.arange(size)], axis=1))
         corners = np.column_stack([self.corner_faces, self.corner_vertices])
-        ways = np.unique(self.half_edges, axis=0)
-        return len(np.unique(corners, axis=0)) == len(corners) and len(ways) == len(corners)
+        result[self.corner_faces[repeats(corners) | repeats(self.half_edges)]] = True
+        return result
 
     @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
@@ -114,6 +117,13 @@ class QuadMesh:
         """The quad mesh with other faces, and without vertices that no face uses."""
         used, corners = np.unique(corner_vertices, return_inverse=True)
         return QuadMesh(self.vertices[used], self.triangles[used], self.weights[used], corners.ravel(), sizes)
+
+
+def repeats(rows: np.ndarray) -> np.ndarray:
+    """(n,) bool: rows that occur more than once."""
+    _, labels, counts = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
+    result: np.ndarray = counts[labels.ravel()] > 1
+    return result
 
 
 def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
