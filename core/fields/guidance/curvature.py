@@ -2,14 +2,15 @@
 """Principal curvature directions at vertices, from the dihedral angles around them."""
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import cg
 
+from ...algebra.factorization import factorize
 from ...connection import levi_civita
 from ...geometry.triangle_mesh import TriangleMesh
 
-# Relative residual of the smoothed tensor.
-_RESIDUAL = 1e-3
+# Relative residual of the smoothed tensor, and steps in which conjugate gradients reach it on all but thin triangles.
+_RESIDUAL, _STEPS = 1e-3, 200
 
 
 def principal_directions(
@@ -69,6 +70,6 @@ def _smoothed(mesh: TriangleMesh, transport: np.ndarray, integrals: np.ndarray, 
     links = -stiff * transport * scale[i] * scale[j]
     values = np.concatenate([np.ones(count), links, links.conj()])
     nodes = np.arange(count)
-    matrix = csr_array((values, (np.concatenate([nodes, j, i]), np.concatenate([nodes, i, j]))), (count, count))
-    found: np.ndarray = scale * cg(matrix, scale * integrals, rtol=_RESIDUAL)[0]
-    return found
+    matrix = csr_matrix((values, (np.concatenate([nodes, j, i]), np.concatenate([nodes, i, j]))), (count, count))
+    found, failed = cg(matrix, scale * integrals, rtol=_RESIDUAL, maxiter=_STEPS)
+    return scale * (factorize(matrix, single=False).solve(scale * integrals) if failed else found)

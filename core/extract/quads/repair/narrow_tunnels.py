@@ -16,16 +16,25 @@ from ..trace.quad_mesh import QuadMesh, repeats
 def close_narrow_tunnels(quads: QuadMesh) -> QuadMesh:
     """The quad mesh with different corners in each face, and one edge between two vertices.
 
-    Of parts that are connected through what is closed, the largest one is kept. Faces with the same vertices stay.
+    Of parts that are connected through what is closed, the largest one is kept. Two faces with the same vertices are
+    the two sides of what is too thin, and left out.
     """
     pieces = components(len(quads.vertices), quads.half_edges)
     faces = list(_simple_faces(quads))
     before = pieces[[face[0] for face in faces]]
-    quads = quads.with_faces(np.concatenate(faces), np.array([len(face) for face in faces]))
+    quads = _join_halves(quads.with_faces(np.concatenate(faces), np.array([len(face) for face in faces])))
+    flat = quads.has_twin
+    if flat.any():
+        quads, before = _join_halves(quads.only(~flat)), before[~flat]
+    return _largest_parts(quads, before)
+
+
+def _join_halves(quads: QuadMesh) -> QuadMesh:
+    """The quad mesh with two faces at each edge, and a vertex of its own for each fan of faces around one."""
     names = np.unique(np.sort(quads.half_edges, axis=1) @ [len(quads.vertices), 1], return_inverse=True)[1]
     divided = _divide_vertices(quads, names, np.empty(0, int))
     crossed = names[repeats(divided.half_edges)]
-    return _largest_parts(divided if len(crossed) == 0 else _divide_vertices(quads, names, crossed), before)
+    return divided if len(crossed) == 0 else _divide_vertices(quads, names, crossed)
 
 
 def _simple_faces(quads: QuadMesh) -> Iterator[np.ndarray]:
@@ -82,5 +91,4 @@ def _largest_parts(quads: QuadMesh, before: np.ndarray) -> QuadMesh:
     now = components(len(quads.vertices), quads.half_edges)[quads.corner_vertices[quads.starts]]
     order = np.lexsort((now, np.bincount(now)[now], before))
     last = np.append(before[order][1:] != before[order][:-1], True)
-    kept = np.isin(now, now[order[last]])
-    return quads.with_faces(quads.corner_vertices[kept[quads.corner_faces]], quads.sizes[kept])
+    return quads.only(np.isin(now, now[order[last]]))

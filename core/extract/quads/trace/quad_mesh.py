@@ -75,12 +75,18 @@ class QuadMesh:
     @property
     def is_unsound(self) -> np.ndarray:
         """(f,) bool: faces without three different corners, or with the vertices or a half-edge of another one."""
-        result = self.sizes < 3
-        for size in np.unique(self.sizes):
-            faces = np.flatnonzero(self.sizes == size)
-            result[faces] |= repeats(np.sort(self.corner_vertices[self.starts[faces, None] + np.arange(size)], axis=1))
+        result = (self.sizes < 3) | self.has_twin
         corners = np.column_stack([self.corner_faces, self.corner_vertices])
         result[self.corner_faces[repeats(corners) | repeats(self.half_edges)]] = True
+        return result
+
+    @property
+    def has_twin(self) -> np.ndarray:
+        """(f,) bool: faces with the same vertices as another one."""
+        result = np.zeros(len(self.sizes), bool)
+        for size in np.unique(self.sizes):
+            faces = np.flatnonzero(self.sizes == size)
+            result[faces] = repeats(np.sort(self.corner_vertices[self.starts[faces, None] + np.arange(size)], axis=1))
         return result
 
     @property
@@ -112,6 +118,10 @@ class QuadMesh:
     def euler_characteristic(self) -> int:
         """V - E + F of all components together."""
         return len(self.vertices) - len(self.edges[0]) + len(self.sizes)
+
+    def only(self, kept: np.ndarray) -> "QuadMesh":
+        """The quad mesh with some of its faces, (f,) bool, and without vertices that none of them uses."""
+        return self.with_faces(self.corner_vertices[kept[self.corner_faces]], self.sizes[kept])
 
     def with_faces(self, corner_vertices: np.ndarray, sizes: np.ndarray) -> "QuadMesh":
         """The quad mesh with other faces, and without vertices that no face uses."""

@@ -90,6 +90,14 @@ def test_a_mesh_without_narrow_tunnels_stays_as_it_is():
     assert cycles(made) == cycles(given) and len(made.vertices) == len(given.vertices)
 
 
+def test_what_has_no_thickness_is_left_out():
+    """A fin of the box whose two sides have the same vertices, and a piece that consists of two such faces."""
+    fin = [["110", "115", "215", "210"], ["210", "215", "115", "110"]]
+    leaf = [["770", "780", "880", "870"], ["870", "880", "780", "770"]]
+    made = close_narrow_tunnels(of_faces(*box(), *fin, *leaf))
+    assert cycles(made) == cycles(of_faces(*box())) and made.is_simple and is_closed(made)
+
+
 @pytest.mark.parametrize("order", [1, -1])
 def test_of_an_hourglass_the_larger_half_is_kept(order):
     """Two edges with the same ends are around its waist, whichever order their faces come in."""
