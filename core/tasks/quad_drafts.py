@@ -53,7 +53,7 @@ def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callba
     return Draft(request, request.along(directions, part))
 
 
-def _settle(draft: Draft) -> Draft:
+def settle(draft: Draft) -> Draft:
     """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
     for _ in range(CORRECTIONS):
         if draft.request.options.method != FIRST or not draft.dislocations:
@@ -81,8 +81,8 @@ def with_tunnels_closed(draft: Draft) -> Draft:
 
 
 def complete(draft: Draft, progress: Callback | None = None) -> SurfaceResult:
-    """The result of a draft: corrected, with its loops closed, traced and smoothed."""
-    return finish(_close(_settle(draft), progress), progress)
+    """The result of a settled draft: with its loops closed, traced and smoothed."""
+    return finish(_close(draft, progress), progress)
 
 
 def finish(draft: Draft, progress: Callback | None = None) -> SurfaceResult:

@@ -21,7 +21,7 @@ from ..fields.target_one_form import TargetOneForm
 from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
-from .quad_drafts import FEW, Draft, complete, draw, finish, with_tunnels_closed
+from .quad_drafts import FEW, Draft, complete, draw, finish, settle, with_tunnels_closed
 from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
@@ -191,7 +191,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         request = replace(request, options=replace(request.options, method=FIRST))
     if not faces:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        draft = draw(request, directions, part)
+        draft = settle(draw(request, directions, part))
         try:
             return complete(draft, part)
         except SettingError:
@@ -217,7 +217,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
                 drafts.pop()
                 count = traced
             elif drafts[-1].misses(wanted) <= NEAR:
-                refused.append(drafts.pop())
+                refused.append(settle(drafts.pop()))
                 found.append(complete(refused[-1], part))
                 refused.pop()
                 if _misses(found[-1], faces) <= NEAR:
@@ -251,10 +251,11 @@ def _best_count(
         misses = min((_misses(result, faces) for result in results), default=np.inf)
         if misses <= draft.misses(wanted) or (len(results) > len(found) and misses <= FAR):
             break
+        settled = settle(draft)
         try:
-            results.append(complete(draft))
+            results.append(complete(settled))
         except SettingError:
-            refused.append(draft)
+            refused.append(settled)
     best = min(results, key=lambda result: _misses(result, faces), default=None)
     nearest = min(refused, key=lambda draft: draft.misses(wanted), default=None)
     if nearest and nearest.face_count >= FEW and (best is None or nearest.misses(wanted) < FAR < _misses(best, faces)):
