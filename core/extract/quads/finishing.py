@@ -63,6 +63,10 @@ def finish_quads(
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
         chains = None if chains is None else chains.of_vertices(kept)
+    flat = quads.has_twin
+    if closes_tunnels and flat.any():  # pieces of so few quads that these are their two sides
+        kept, quads = np.unique(quads.corner_vertices[~flat[quads.corner_faces]]), quads.only(~flat)
+        chains = None if chains is None else chains.of_vertices(kept)
     check_quads(quads, mesh, closes_tunnels)
     if rounds == 0:
         return quads
