@@ -90,7 +90,9 @@ def test_one_flow_has_the_same_filaments_in_every_kind_of_file(tmp_path):
     for kind in ("vti", "split"):
         np.testing.assert_allclose(flows[kind].integrals(COARSE), flows["npz"].integrals(COARSE), atol=1e-6)
     settings = FlowSettings(resolution=16, target_gap=0.05, quantum=1.0)
-    (first,), (second,) = (FlowRequest(read(files[kind]), settings).solve().shown.lines for kind in ("npz", "staggered"))
+    (first,), (second,) = (
+        FlowRequest(read(files[kind]), settings).solve().shown.lines for kind in ("npz", "staggered")
+    )
     assert cKDTree(dense([first])).query(dense([second]))[0].max() < 0.04 * 0.16
 
 
