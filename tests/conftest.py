@@ -12,9 +12,9 @@ from synch_fields.core.solve.methods import rounding
 TESTS = Path(__file__).parent
 # Rooms whose tests every run makes: what is asked of Blender there is what changes from one version to the next.
 EACH = {"blender", "looks", "nodes", "operators", "panels"}
-# Rooms that are about the search for fields: there it is as long as for users. So it is in files and tests that are
-# marked with ``full_search``, and in child processes. Elsewhere it has this share of the usual number of tries.
-SEARCHED, FEW, USUAL = ("core/solve", "bench"), 0.2, rounding._effort
+# Rooms that are about the search for fields: there it is as long as for users. So it is in files and tests with one of
+# these marks, and in child processes. Elsewhere it has this share of the usual number of tries.
+SEARCHED, MARKS, FEW, USUAL = ("core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
 
 
 def pytest_addoption(parser):
@@ -46,7 +46,7 @@ def deal(paths, part):
 def set_search(request):
     """Search for fields with few tries, or as users do."""
     is_full = request.path.relative_to(TESTS).as_posix().startswith(SEARCHED)
-    is_full = is_full or request.node.get_closest_marker("full_search") is not None
+    is_full = is_full or any(request.node.get_closest_marker(mark) for mark in MARKS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rounding, "_effort", USUAL if is_full else lambda size: FEW)
         yield
