@@ -117,16 +117,21 @@ install-test-%:
 	out/blender-$*/bin/python tools/install_test.py out/package/extensions
 	rm -rf out/blender-$*
 
-# The package of Python as a user has it: nothing of the checkout is on the path.
+print_packages = -c 'import sysconfig; print(sysconfig.get_path("purelib"))'
+
+# The package of Python as a user has it: nothing of the checkout is on the path. What it depends on is that of the tests'
+# environment: its folder comes last, and .pth files in it, that of the checkout too, are not read.
 wheel-test: $(call each_python,wheel-test-)
 
 wheel-test-%: export PYTHONPATH :=
 wheel-test-%:
 	rm -rf out/wheel-$*
-	$(start) tools/environment.py --venv out/wheel-$* --versions $* --only blender test package
-	out/wheel-$*/bin/python tools/package.py --python --output-dir out/wheel-$*/made
-	out/wheel-$*/bin/python -m twine check --strict out/wheel-$*/made/synch_fields-*
-	out/wheel-$*/bin/python -m pip install --quiet --constraint requirements/python$*.txt out/wheel-$*/made/*.whl
+	@$(start) tools/make.py environment --venv .venv-$* --versions $*
+	.venv-$*/bin/python -m venv --without-pip out/wheel-$*
+	.venv-$*/bin/python tools/package.py --python --output-dir out/wheel-$*/made
+	.venv-$*/bin/python -m twine check --strict out/wheel-$*/made/synch_fields-*
+	.venv-$*/bin/python -m pip --python out/wheel-$*/bin/python install --quiet --no-deps --no-index out/wheel-$*/made/*.whl
+	.venv-$*/bin/python $(print_packages) >"$$(out/wheel-$*/bin/python $(print_packages))/dependencies.pth"
 	for example in examples/[a-z]*.py; do out/wheel-$*/bin/python -I "$$example" || exit 1; done
 	out/wheel-$*/bin/python -m pytest -q tests/addon/test_readme.py -k test_python_runs
 	rm -rf out/wheel-$*

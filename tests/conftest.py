@@ -1,13 +1,20 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests that do not depend on the version of Blender may be shared by runs on several of them, and all tests by
-processes that run at once."""
+processes that run at once. Fields are searched with few tries, save where the search is what is tested."""
 
 from pathlib import Path
+
+import pytest
+
+from synch_fields.core.solve.methods import rounding
 
 TESTS = Path(__file__).parent
 # Rooms whose tests every run makes: what is asked of Blender there is what changes from one version to the next.
 EACH = {"blender", "looks", "nodes", "operators", "panels"}
+# Rooms that are about the search for fields: there it is as long as for users. So it is in files and tests with one of
+# these marks, and in child processes. Elsewhere it has this share of the usual number of tries.
+SEARCHED, MARKS, FEW, USUAL = ("core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
 
 
 def pytest_addoption(parser):
@@ -34,3 +41,16 @@ def deal(paths, part):
     """Every n-th path for a part "k/n": first and last take turns, so that none has the longer one every time."""
     number, count = map(int, part.split("/"))
     return set(paths[number - 1 :: 2 * count] + paths[2 * count - number :: 2 * count])
+
+
+def set_search(request):
+    """Search for fields with few tries, or as users do."""
+    is_full = request.path.relative_to(TESTS).as_posix().startswith(SEARCHED)
+    is_full = is_full or any(request.node.get_closest_marker(mark) for mark in MARKS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rounding, "_effort", USUAL if is_full else lambda size: FEW)
+        yield
+
+
+search_of_the_file = pytest.fixture(set_search, scope="module", autouse=True)
+search_of_the_test = pytest.fixture(set_search, autouse=True)

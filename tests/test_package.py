@@ -150,19 +150,13 @@ def wheel(packages):
     return found
 
 
-def environment(folder, wheel):
-    """The Python of a fresh environment that has the wheel and nothing else."""
-    builder = venv.EnvBuilder()
-    builder.create(folder)
-    executable = builder.ensure_directories(folder).env_exe
-    pip("--python", executable, "install", "--no-deps", "--no-index", wheel)
-    return executable
-
-
 @pytest.fixture(scope="module")
 def python(wheel, tmp_path_factory):
     """A fresh environment's Python, in isolated mode: the wheel, and what is installed here for it to depend on."""
-    executable = environment(tmp_path_factory.mktemp("environment"), wheel)
+    builder, folder = venv.EnvBuilder(), tmp_path_factory.mktemp("environment")
+    builder.create(folder)
+    executable = builder.ensure_directories(folder).env_exe
+    pip("--python", executable, "install", "--no-deps", "--no-index", wheel)
     # A folder that a .pth file names is searched last, and its own .pth files, that of this checkout too, are not read.
     installed = run(executable, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip()
     Path(installed, "dependencies.pth").write_text(sysconfig.get_path("purelib"))
@@ -227,9 +221,14 @@ def test_conda_accepts_the_recipes(packages):
     assert source["sha256"] == hashlib.sha256(sdist.read_bytes()).hexdigest()
 
 
-def test_without_blender_the_command_line_says_what_to_install(wheel, tmp_path):
-    python = environment(tmp_path / "alone", wheel)
-    result = subprocess.run([python, "-I", "-m", "synch_fields", "info", "x.obj"], capture_output=True, text=True)
+def test_without_blender_the_command_line_says_what_to_install(python):
+    code = f"""
+import runpy, sys
+sys.path.remove({sysconfig.get_path("purelib")!r})
+sys.argv[1:] = ["info", "x.obj"]
+runpy.run_module("synch_fields", run_name="__main__", alter_sys=True)
+"""
+    result = subprocess.run([*python, "-c", code], capture_output=True, text=True)
     line = 'synch: Blender is missing: pip install "synch_fields[blender]", on Python 3.11 or 3.13\n'
     assert (result.returncode, result.stdout, result.stderr) == (1, "", line)
 

@@ -18,6 +18,7 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -106,9 +107,24 @@ def provide_libraries() -> None:
     if os.geteuid() != 0:
         raise SetupError(f"Blender needs libraries that are missing; run: sudo apt-get install -y {' '.join(packages)}")
     print(f"environment: installing {' '.join(packages)}", file=sys.stderr)
-    apt_get("update")  # where that fails, the lists that are there may do
-    if apt_get("install", "-y", "--no-install-recommends", *packages) or missing_libraries():
-        raise SetupError(f"apt-get could not install {' '.join(packages)}: its message is above")
+    with one_at_a_time():
+        if not missing_libraries():
+            return  # another environment, made side by side with this one, has installed them
+        apt_get("update")  # where that fails, the lists that are there may do
+        if apt_get("install", "-y", "--no-install-recommends", *packages) or missing_libraries():
+            raise SetupError(f"apt-get could not install {' '.join(packages)}: its message is above")
+
+
+@contextmanager
+def one_at_a_time():
+    """Wait until no other environment of this checkout installs libraries."""
+    import fcntl  # not on Windows, where there is nothing to install
+
+    folder = ROOT / "out"
+    folder.mkdir(exist_ok=True)
+    with open(folder / "libraries.lock", "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def apt_get(*arguments: str) -> int:

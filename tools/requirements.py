@@ -16,6 +16,7 @@ newest versions that pyproject.toml allows.
 writes the versions that are installed to the file of this Python, without Blender, whose version pyproject.toml says.
 """
 
+import os
 import subprocess
 import sys
 import tomllib
@@ -82,8 +83,9 @@ def link() -> None:
     place = ROOT / "out" / "tree" / NAME
     if place.resolve() != ROOT:
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.unlink(missing_ok=True)
-        place.symlink_to(ROOT, target_is_directory=True)
+        made = place.with_name(f"{NAME}.{os.getpid()}")
+        made.symlink_to(ROOT, target_is_directory=True)
+        made.replace(place)  # at once: environments may be made side by side
 
 
 def missing(wanted: Iterable[str], enough: dict[str, SpecifierSet]) -> list[str]:

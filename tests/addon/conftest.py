@@ -65,11 +65,17 @@ def extension():
 
 @pytest.fixture(autouse=True)
 def blender(extension):
-    """bpy with an empty scene and the extension's operators registered."""
+    """bpy with an empty scene and the extension's operators registered. The child process that an earlier test has left
+    stays, since its start takes a second, and no job does."""
     import bpy
 
+    from synch_fields.synch_addon.jobs.queue import queue
+
+    worker, queue._worker = queue._worker, None
     bpy.ops.wm.read_homefile(use_empty=True)
-    return bpy
+    queue._worker = worker
+    yield bpy
+    assert queue.running is None
 
 
 @pytest.fixture(autouse=True)

@@ -51,8 +51,8 @@ def folder(tmp_path, monkeypatch):
 
 
 def ball(radius=RADIUS):
-    """A sphere of 2562 vertices with vertex groups at its poles."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=radius)
+    """A sphere of 642 vertices with vertex groups at its poles."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=radius)
     obj = bpy.context.active_object
     obj.name = "Body"
     for name, sign in (("Bottom", -1), ("Top", 1)):
@@ -80,7 +80,9 @@ def test_python_runs(text, folder, names):
     if "api.bake" in text:
         api.stripes(names["obj"], spacing=0.1)
         (folder / "out").mkdir()
-    exec(text.replace("range(1, 25)", "range(1, 3)").replace("frames=(1, 24)", "frames=(1, 2)"), names)
+    for here, small in {"range(1, 25)": "range(1, 3)", "frames=(1, 24)": "frames=(1, 2)", "[1000]": "[100]"}.items():
+        text = text.replace(here, small)
+    exec(text, names)
     if "cut" in names:
         assert names["solve"](names["cut"]).energy == pytest.approx(4)
         assert names["solve"](names["circle"]).phases.shape == (5,)

@@ -34,7 +34,7 @@ SETTINGS = {
 # Arguments without which a function cannot be called.
 NEEDED = {
     "stripes": {"spacing": 1.5, "method": "spectral"},
-    "layers": {"spacing": 0.7, "size": 0.3, "method": "spectral"},
+    "layers": {"spacing": 0.7, "size": 0.6, "method": "spectral"},
     "vary": {"number": 1},
     "place_defects": {"vertices": [3]},
     "move_defect": {"face": 3, "to_face": 4},

@@ -41,6 +41,7 @@ def figures(path):
 
 
 @pytest.mark.any_surface
+@pytest.mark.full_search
 def test_rows_are_done_as_alone_whatever_came_before_and_once(ball, tmp_path, monkeypatch, capfd):
     """By a warm process; alone in this one."""
     monkeypatch.chdir(tmp_path)

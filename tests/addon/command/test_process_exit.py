@@ -112,7 +112,7 @@ def test_a_signal_ends_a_command_in_one_line_and_leaves_nothing(
     ball, tmp_path, temporary, place, number, status, word, moment
 ):
     """At the first progress of a kind, which is that of the directions: the stripes are still to be solved."""
-    arguments = ["stripes", ball, "--spacing", 0.05, "--output", tmp_path / "new" / "out.blend"]
+    arguments = ["stripes", ball, "--spacing", 0.1, "--output", tmp_path / "new" / "out.blend"]
     process = subprocess.Popen([*COMMAND, *map(str, arguments), "--report", str(tmp_path / "out.json")], **place)
     next(line for line in process.stderr if moment in line)
     process.send_signal(getattr(signal, number))
@@ -153,7 +153,7 @@ def processes_with(temporary):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system does not tell when a process began")
 def test_the_next_command_removes_the_temporary_folder_of_a_killed_one(ball, temporary, place):
-    process = subprocess.Popen([*COMMAND, "stripes", str(ball), "--spacing", "0.05"], **place)
+    process = subprocess.Popen([*COMMAND, "stripes", str(ball), "--spacing", "0.1"], **place)
     process.stderr.readline()
     process.kill()
     process.communicate()

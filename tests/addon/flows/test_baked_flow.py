@@ -12,11 +12,6 @@ CENTRE = (0.04, -0.03, 0.0)
 CORE = 0.02
 
 
-@pytest.fixture(autouse=True)
-def empty():
-    bpy.ops.wm.read_homefile(use_empty=True)
-
-
 class Nodes:
     """A geometry node tree, of which each node is linked to what it takes as it is made."""
 

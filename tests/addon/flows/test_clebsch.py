@@ -27,11 +27,6 @@ from synch_fields.synch_addon.flows.job import clebsch
 from ..vortex_scenes import write_vdb
 
 
-@pytest.fixture(autouse=True)
-def empty():
-    bpy.ops.wm.read_homefile(use_empty=True)
-
-
 def circle(radius=1.0, location=(0, 0, 0), strength=1.0, segments=100):
     """A curve object, a circle about its local z axis, counterclockwise."""
     data = bpy.data.curves.new("Circle", "CURVE")

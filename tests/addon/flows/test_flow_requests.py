@@ -75,6 +75,7 @@ def test_a_request_and_its_result_are_plain_data(kind, tmp_path):
     assert again.warnings == result.warnings
 
 
+@pytest.mark.full_search
 def test_a_process_without_blender_reads_and_solves_a_volume(tmp_path):
     job = asked("volume", tmp_path)
     result = solved_apart(job.request, tmp_path)

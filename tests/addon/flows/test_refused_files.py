@@ -18,11 +18,6 @@ from synch_fields.synch_addon.flows.job import clebsch
 from ..vortex_scenes import write_vdb
 
 
-@pytest.fixture(autouse=True)
-def empty():
-    bpy.ops.wm.read_homefile(use_empty=True)
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
 def test_a_damaged_volume_cannot_take_the_machines_memory(tmp_path, monkeypatch):
     path = tmp_path / "flow.vdb"

@@ -26,11 +26,6 @@ from ..scenes import add_object, places, set_vectors, snapshot
 QUANTUM = np.pi / 5
 
 
-@pytest.fixture(autouse=True)
-def empty():
-    bpy.ops.wm.read_homefile(use_empty=True)
-
-
 @pytest.fixture
 def disk(tmp_path):
     """A file with rigid rotation inside the unit disk, of curl 1, and no curl outside."""

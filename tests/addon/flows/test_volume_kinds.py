@@ -18,6 +18,8 @@ from synch_fields.synch_addon.blender import openvdb
 from ...core.files.test_flow_grids import vti
 
 GRID = Grid((26, 26, 18), 0.1, (-1.25, -1.25, -0.85))
+# Where flows are solved: the same box.
+COARSE = Grid((16, 16, 12), 0.16, (-1.2, -1.2, -0.88))
 
 
 def ring(places):
@@ -72,24 +74,26 @@ def dense(lines):
 
 
 def test_one_flow_has_the_same_filaments_in_every_kind_of_file(tmp_path):
-    centred = sampled(ring, "centred").astype(np.float32)
-    np.savez(tmp_path / "flow.npz", velocity=centred, spacing=0.1, origin=GRID.origin)
-    own = {"spacing": GRID.spacing, "origin": GRID.origin}
+    """One quantum has one filament. Of several, another solve may lead them another way; staggered components that are
+    read as centred move it by a quarter of a voxel."""
+    centred = sampled(ring, "centred", COARSE).astype(np.float32)
+    own = {"spacing": COARSE.spacing, "origin": COARSE.origin}
+    np.savez(tmp_path / "flow.npz", velocity=centred, **own)
+    staggered = sampled(ring, "staggered", COARSE)
     files = {
         "npz": tmp_path / "flow.npz",
-        "vti": vti(tmp_path / "flow.vti", {"velocity": centred}, "raw", shape=GRID.shape, **own),
-        "split": write(tmp_path / "split.vdb", centred, "split", "vel"),
-        "staggered": write(tmp_path / "staggered.vdb", sampled(ring, "staggered"), "staggered"),
+        "vti": vti(tmp_path / "flow.vti", {"velocity": centred}, "raw", shape=COARSE.shape, **own),
+        "split": write(tmp_path / "split.vdb", centred, "split", "vel", grid=COARSE),
+        "staggered": write(tmp_path / "staggered.vdb", staggered, "staggered", grid=COARSE),
     }
     flows = {kind: read(path).read() for kind, path in files.items()}
     for kind in ("vti", "split"):
-        np.testing.assert_allclose(flows[kind].integrals(GRID), flows["npz"].integrals(GRID), atol=1e-6)
-    first = FlowRequest(read(files["npz"]), FlowSettings(resolution=26, target_gap=0.05)).solve()
-    assert len(first.shown.lines) >= 1 and first.shown.share > 0.7 and not first.warnings
-    settings = FlowSettings(resolution=26, target_gap=0.05, quantum=first.found.quantum)
-    staggered = FlowRequest(read(files["staggered"]), settings).solve()
-    assert len(staggered.shown.lines) == len(first.shown.lines)
-    assert cKDTree(dense(first.shown.lines)).query(dense(staggered.shown.lines))[0].max() < 0.02 * 0.1
+        np.testing.assert_allclose(flows[kind].integrals(COARSE), flows["npz"].integrals(COARSE), atol=1e-6)
+    settings = FlowSettings(resolution=16, target_gap=0.05, quantum=1.0)
+    (first,), (second,) = (
+        FlowRequest(read(files[kind]), settings).solve().shown.lines for kind in ("npz", "staggered")
+    )
+    assert cKDTree(dense([first])).query(dense([second]))[0].max() < 0.04 * 0.16
 
 
 def test_staggered_components_are_where_they_were_measured(tmp_path):
@@ -138,10 +142,11 @@ def test_vorticity_in_place_of_the_velocity(tmp_path):
         squares = (places[:, :2] ** 2).sum(axis=1)
         return np.outer(np.exp(-squares / 0.15**2) / (np.pi * 0.15**2), [0, 0, 1])
 
-    path = write(tmp_path / "curl.vdb", sampled(vortex, "centred"), name="vorticity")
-    np.savez(tmp_path / "curl.npz", vorticity=sampled(vortex, "centred"), spacing=0.1, origin=GRID.origin)
+    voxels = sampled(vortex, "centred", COARSE)
+    path = write(tmp_path / "curl.vdb", voxels, name="vorticity", grid=COARSE)
+    np.savez(tmp_path / "curl.npz", vorticity=voxels, spacing=COARSE.spacing, origin=COARSE.origin)
     for source in (path, tmp_path / "curl.npz"):
-        result = FlowRequest(read(source), FlowSettings(resolution=26, target_gap=0.05, quantum=1.0)).solve()
+        result = FlowRequest(read(source), FlowSettings(resolution=16, target_gap=0.05, quantum=1.0)).solve()
         (line,) = result.shown.lines
         assert np.abs(line.points[:, :2]).max() < 0.03 and line.strength == 1
         assert result.shown.share == pytest.approx(1, abs=0.05)

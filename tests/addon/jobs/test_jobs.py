@@ -25,6 +25,7 @@ from ..scenes import attribute, grid, set_vectors, snapshot, sphere
 from .striping import Stripes, child, in_work, is_alive
 
 
+@pytest.mark.full_search
 def test_window_gets_what_a_script_gets():
     obj = sphere()
     loop, operator = begun(Stripes())

@@ -19,7 +19,7 @@ from synch_fields.synch_addon.patterns.job import FieldJob
 from ..event_loop import by_the_worker
 from ..scenes import attribute, quad_sphere
 
-SPACING = 0.4
+SPACING = 0.5
 COMMANDS = ("stripes", "quad_mesh", "layers")
 
 
@@ -56,8 +56,9 @@ def made():
 
 @pytest.mark.any_surface
 @pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.full_search
 def test_window_script_and_command_line_give_the_same(command, tmp_path):
-    quad_sphere(11).name = "Ball"
+    quad_sphere(6).name = "Ball"
     path, output = tmp_path / "in.blend", tmp_path / "out.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     results = []

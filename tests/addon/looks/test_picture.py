@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The product picture of an object: what it shows, and that it leaves the file as it was."""
 
+import json
+from functools import partial
+
 import bpy
 import numpy as np
 import pytest
@@ -10,7 +13,9 @@ from mathutils import Vector
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.synch_addon.blender.defect_empties import write_defects
+from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.looks import render
+from synch_fields.synch_addon.looks.demo import add_demo_object
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.materials import pattern_material
 
@@ -76,3 +81,13 @@ def test_camera_is_as_close_as_a_whole_view_of_the_object_allows(size, view):
     assert seen[:, 2].min() > camera.data.clip_start
     free = min((seen[:, :2]).min(), (1 - seen[:, :2]).min())
     assert free == pytest.approx(0.07, abs=2e-3)
+
+
+def test_the_demo_solves_and_renders_suzanne(tmp_path, monkeypatch):
+    """With a coarse one and a small picture; `.ci/run` runs the whole demo on one Blender."""
+    monkeypatch.setattr(main, "add_demo_object", partial(add_demo_object, 4.0))
+    set_up = render._set_up_render
+    monkeypatch.setattr(render, "_set_up_render", lambda scene, path, *_: set_up(scene, path, (32, 24), 1))
+    assert main.main(["demo", "--folder", str(tmp_path), "--quiet"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["demo.blend", "demo.json", "demo.png"]
+    assert json.loads((tmp_path / "demo.json").read_text())["certificate"] == "proved"

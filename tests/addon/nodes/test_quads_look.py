@@ -105,7 +105,7 @@ def random_phases(obj):
     return given.polygons, face_phases(growth.edge_phases(phases), given.polygons)
 
 
-@pytest.mark.parametrize("build", [lambda: sphere(3), quad_sphere], ids=["triangles", "quads"])
+@pytest.mark.parametrize("build", [lambda: sphere(2), quad_sphere], ids=["triangles", "quads"])
 def test_shader_and_core_agree_on_both_phases_everywhere(build):
     obj = build()
     polygons, phases = random_phases(obj)
@@ -196,7 +196,7 @@ def test_strands_of_the_weave_pass_above_and_below_in_turn(plane):
     assert sorted(set.union(*below)) == [-2, -1, 0, 1] and not set.intersection(*below)
 
 
-@pytest.mark.parametrize("width", [0.0, 0.3, 0.5, 0.75, 1.0])
+@pytest.mark.parametrize("width", [0.0, 0.3, 1.0])
 def test_width_is_the_part_of_the_area_that_has_the_color(plane, width):
     for profile in (GRID_LINES, CHECKER, WEAVE, DOTS):
         factor = baked(plane, PICTURE, Profile=profile, Width=width, Softness=0.0)[:, :, 0]

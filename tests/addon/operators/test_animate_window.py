@@ -44,6 +44,7 @@ def begun(monkeypatch):
     return obj, loop, operator, before
 
 
+@pytest.mark.full_search
 def test_the_window_reads_frame_by_frame_and_waits_for_the_worker(begun):
     obj, loop, operator, before = begun
     seen = []

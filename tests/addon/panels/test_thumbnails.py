@@ -11,6 +11,8 @@ from synch_fields.synch_addon.patterns import memory
 
 from ..scenes import sphere, torus
 
+pytestmark = pytest.mark.full_search
+
 SOLVES = {
     "stripes": lambda obj: api.stripes(obj, spacing=0.3),
     "quads": lambda obj: api.quads(obj, spacing=0.3),

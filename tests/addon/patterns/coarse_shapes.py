@@ -65,8 +65,8 @@ def coarse_hexagons():
 
 
 SHAPES = {
-    "cube of 8 vertices": (cube, {"spacing": 0.25, "guidance": "axis:Z"}, "mesh"),
-    "half a body": (half_body, {"spacing": 0.2}, "modifiers"),
+    "cube of 8 vertices": (cube, {"spacing": 0.3, "guidance": "axis:Z"}, "mesh"),
+    "half a body": (half_body, {"spacing": 0.25}, "modifiers"),
     "rigged tube": (rigged_tube, {"spacing": 0.4, "guidance": "axis:Z"}, "mesh"),
     "sphere of hexagons": (coarse_hexagons, {"spacing": 0.25}, "mesh"),
 }

@@ -29,7 +29,8 @@ def _ends(monkeypatch):
     live.clear()
     yield
     live.clear()
-    queue.stop()
+    for work in queue.works.copy():
+        queue.cancel(work)
 
 
 def striped(make=sphere, command="stripes", spacing=0.4):
@@ -274,6 +275,7 @@ def test_a_full_solve_afterwards_is_proved():
     assert solve(obj)["certificate"] == "proved" and followed() == 0
 
 
+@pytest.mark.full_search
 def test_a_click_while_it_is_on_starts_from_what_is_shown_and_proves():
     obj = striped(uneven)
     obj.synch.spacing = 0.44

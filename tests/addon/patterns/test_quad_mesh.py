@@ -49,9 +49,6 @@ from ..scenes import (
 def monkey():
     """Blender's Suzanne, whose eyes are pieces of their own."""
     bpy.ops.mesh.primitive_monkey_add()
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
     return bpy.context.active_object
 
 

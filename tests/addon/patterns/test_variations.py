@@ -20,6 +20,8 @@ from synch_fields.synch_addon.patterns import memory
 from ..quad_meshes import corner_vertices
 from ..scenes import attribute, empties, grid, make_active, places, quad_sphere, snapshot, sphere, torus
 
+pytestmark = pytest.mark.full_search
+
 SOLVES = {
     "stripes": lambda obj: api.stripes(obj, symmetry="line", spacing=0.5),
     "quads": lambda obj: api.quads(obj, spacing=0.7),

@@ -70,9 +70,9 @@ def test_lines_of_neighbouring_layers_cross_and_end_in_the_innermost_wall(cuboid
 
 def test_skins_of_curved_layers_follow_their_normals():
     """Spheres inside one another: layers are whole near the inner and the outer side, sparse half way."""
-    solid = shell(np.linspace(1, 2.4, 8), 2)
+    solid = shell(np.linspace(0.6, 2, 8), 2)
     radius = np.linalg.norm(solid.vertices, axis=1)
-    group = LayerGroup.of_vertices(solid, radius < 1.01, np.pi)
+    group = LayerGroup.of_vertices(solid, radius < 0.61, np.pi)
     pattern = solve_layers(solid, solid.vertices / radius[:, None], 0.2, [group])
     surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
     full = contour_beads(surfaces, 0.2)

@@ -102,7 +102,7 @@ def test_values_and_bounds_enclose_those_of_an_interior_point_method(build):
     dense = [relaxation(p.matrix.toarray(), np.repeat(np.arange(p.node_count), p.block)) for p in problem.pieces]
     below, above = np.sum(dense, axis=0)
     assert above == pytest.approx(below, rel=1e-6)  # the reference proves itself
-    for gap in (1e-1, 1e-3, 1e-6):
+    for gap in (1e-1, 1e-6):
         solution = solve(problem, Options(target_gap=gap, rounding="svd"))
         assert solution.status is Status.CERTIFIED and solution.certificate == "proved" and solution.sdp_gap <= gap
         assert below * (1 - 1.01 * gap) <= solution.lower_bound <= above * (1 + 1e-12)

@@ -187,7 +187,7 @@ STRIPES = {
     "random-disk": lambda: random_stripes(disk(), False),
     "random-annulus": lambda: random_stripes(annulus(), False, 1),
     "random-lines": lambda: random_stripes(torus(), False),
-    "random-fine": lambda: random_stripes(torus(), True, 2, 0.02),
+    "random-fine": lambda: random_stripes(torus(), True, 2, 0.04),
 }
 
 

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from synch_fields.core.extract.pictures.drawn_phases import PARTS, drawn_phases
 from synch_fields.core.fields import direction_field
@@ -55,14 +56,15 @@ def test_drawn_triangles_cover_the_faces_and_carry_the_phases_of_the_formula(nam
     count = (len(drawn) - mesh.triangle_count) // (pieces - 1)  # singular triangles
     regular = mesh.triangle_count - count
     assert count >= len(phases) and len(drawn) == regular + pieces * count
-    # Which triangle of the mesh each lies in: the one whose plane and edges hold its middle.
+    # Which triangle of the mesh each lies in: of those near by, the one whose plane and edges hold its middle.
     middles = drawn.mean(axis=1)
     corners = mesh.vertices[mesh.triangles]
-    inside = np.empty(len(drawn), int)
-    for index, middle in enumerate(middles):
-        weights = weights_in(corners, np.broadcast_to(middle, (len(corners), 3)))
-        off = np.linalg.norm(np.einsum("ki,kix->kx", weights, corners) - middle, axis=1)
-        inside[index] = np.argmax(np.where(off < 1e-4 * spacing, weights.min(axis=1), -1))
+    _, near = cKDTree(corners.mean(axis=1)).query(middles, 16)
+    there = np.repeat(middles, 16, axis=0)
+    weights = weights_in(corners[near.ravel()], there)
+    off = np.linalg.norm(np.einsum("ki,kix->kx", weights, corners[near.ravel()]) - there, axis=1)
+    fit = np.where(off < 1e-4 * spacing, weights.min(axis=1), -1).reshape(near.shape)
+    inside = near[np.arange(len(near)), fit.argmax(axis=1)]
     weights = weights_in(corners[inside], middles)
     assert weights.min() > -1e-4
     for number, phase in enumerate(phases):

@@ -45,7 +45,7 @@ def has_defect(phases, polygons):
     return np.any(turns, axis=0)[polygons.triangle_faces]
 
 
-def flooded(phases, polygons, parts=36):
+def flooded(phases, polygons, parts=30):
     """Dense places in cells, clear of their borders, and the connected regions that they fall into.
 
     Points of a lattice on every triangle are neighbours along its lines; those on an edge are points of both triangles.

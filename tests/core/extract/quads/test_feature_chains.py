@@ -75,6 +75,7 @@ def _turn():
     return np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
 
 
+@pytest.mark.full_search
 def test_fandisk_keeps_its_lines_but_for_a_piece():
     path = SHARED / "fandisk.obj"
     if not path.exists():
