@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import MeshError
 from ..graphs import components
+from ..unit_vectors import unit_vectors
 from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
 from .nearest import NearestTriangles
 from .vertex_splitting import next_half_edges, previous_half_edges
@@ -197,7 +198,7 @@ class TriangleMesh:
     def face_normals(self) -> np.ndarray:
         """(m, 3) unit normals; zero for a triangle without area."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
-        return _normalized(np.cross(b - a, c - a))
+        return unit_vectors(np.cross(b - a, c - a))
 
     @cached_property
     def dihedral_angles(self) -> np.ndarray:
@@ -219,7 +220,7 @@ class TriangleMesh:
     def vertex_normals(self) -> np.ndarray:
         """(n, 3) unit normals, averaged by corner angle."""
         weighted = (self.corner_angles[:, :, None] * self.face_normals[:, None]).reshape(-1, 3)
-        return _normalized(self._sum_at_vertices(weighted))
+        return unit_vectors(self._sum_at_vertices(weighted))
 
     @cached_property
     def vertex_masses(self) -> np.ndarray:
@@ -320,11 +321,11 @@ class TriangleMesh:
             at = self.edges[:, end]
             n = normals[at]
             towards = sign * self.edge_vectors
-            towards = _normalized(towards - np.einsum("ij,ij->i", towards, n)[:, None] * n)
+            towards = unit_vectors(towards - np.einsum("ij,ij->i", towards, n)[:, None] * n)
             angles = self.edge_directions[:, end, None]
             back = np.cos(angles) * towards - np.sin(angles) * np.cross(n, towards)
             np.add.at(references, at, back)
-        x = _normalized(references)
+        x = unit_vectors(references)
         return x, np.cross(normals, x)
 
     @cached_property
@@ -361,9 +362,3 @@ def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:
     own = IntrinsicMesh(mesh.triangles, sides, directions, mesh.corner_angles, mesh.twins, mesh.angle_scales)
     flipped = flip_edges(own)
     return mesh if flipped is own else flipped
-
-
-def _normalized(vectors: np.ndarray) -> np.ndarray:
-    """Normalize (k, 3) real or integer vectors; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)

@@ -14,6 +14,7 @@ from ..geometry import TriangleMesh
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
+from ..unit_vectors import unit_vectors
 from .coverage import NARROWEST, REACH, WIDEST, BeadDistances, share_area
 from .flat import RimDistances, is_flat, rim_pieces
 from .medial_axis import Polyline, beads_through, level_pieces, medial_beads, medial_points
@@ -149,8 +150,7 @@ def _moved_apart(
     if not len(moved):
         return lines, halves
     points = lines.points
-    sides = np.cross(lines.normals[moved], (points[lines.next] - points[lines.previous])[moved])
-    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    sides = unit_vectors(np.cross(lines.normals[moved], (points[lines.next] - points[lines.previous])[moved]))
     sides *= np.sign(np.einsum("kx,kx->k", sides, points[moved] - begins[nearest[moved]]))[:, None]
     ways_on = step * (0.5 - way[moved]) / 2
     halves[moved] -= ways_on
@@ -167,7 +167,7 @@ def without_straight_points(lines: Isolines, longest: float) -> Isolines:
     points, following = lines.points, lines.next
     ways = points[following] - points
     lengths = np.linalg.norm(ways, axis=1)
-    units = ways / np.where(lengths > 0, lengths, 1)[:, None]
+    units = unit_vectors(ways)
     before = np.arange(len(points)) - 1
     before[lines.starts] = np.where(lines.closed, lines.starts + lines.sizes - 1, lines.starts)
     turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[before]), -1, 1))
@@ -226,8 +226,7 @@ def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: B
 
     # Into the middle between what is beside them.
     along = np.concatenate([np.gradient(bead.points, axis=0) for bead in more])
-    sides = np.cross(mesh.face_normals[nearest(points)[1]], along)
-    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    sides = unit_vectors(np.cross(mesh.face_normals[nearest(points)[1]], along))
     reach = np.maximum(clear(points), 0)[:, None] / 2 * sides
     off = np.clip((clear(points + reach) - clear(points - reach)) / 2, -_OTHER * step, _OTHER * step)
     points = points + off[:, None] * sides

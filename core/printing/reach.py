@@ -5,6 +5,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..graphs import pairs_within
+from ..unit_vectors import unit_vectors
 from .machine import Machine
 
 # Places that are looked at together.
@@ -23,9 +24,7 @@ def tool_axes(normals: np.ndarray, machine: Machine) -> np.ndarray:
     upright = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
     if not machine.turns:
         return upright
-    level = normals * [1, 1, 0]
-    lengths = np.linalg.norm(level, axis=1, keepdims=True)
-    level = np.divide(level, lengths, out=np.zeros_like(level), where=lengths > 0)
+    level = unit_vectors(normals * [1, 1, 0])
     angles = np.radians(np.minimum(tilts(normals), machine.largest_tilt))[:, None]
     return np.cos(angles) * upright + np.sin(angles) * level
 

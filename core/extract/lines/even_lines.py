@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry import TriangleMesh
 from ...graphs import pairs_within
+from ...unit_vectors import unit_vectors
 from .streamlines import Streamlines, trace
 
 # Distance between lines in mean edge lengths; on a coarse mesh less, so that this many lines fit across a square of
@@ -95,8 +96,7 @@ class _SideBySide:
 
     def __init__(self, mesh: TriangleMesh, pieces: Streamlines, radius: float) -> None:
         ends = pieces.segments(mesh)
-        along = ends[:, 1] - ends[:, 0]
-        self.along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
+        self.along = unit_vectors(ends[:, 1] - ends[:, 0])
         self.normals = mesh.face_normals[pieces.triangle]
         self.centres, self.line = ends.mean(axis=1), pieces.line
         self.tree, self.radius = cKDTree(self.centres), radius

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...unit_vectors import unit_vectors
 from .filaments import Filament
 
 # Pairs of segments that are looked at together.
@@ -132,17 +133,12 @@ def _far_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> tu
 def _crossed_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
     """Signed areas of the directions in which segments a-b and c-d cross; 0 for those that meet or lie in a plane."""
     ac, ad, bc, bd = c - a, d - a, c - b, d - b
-    normals = [_unit(np.cross(u, v)) for u, v in ((ac, ad), (ad, bd), (bd, bc), (bc, ac))]
+    normals = [unit_vectors(np.cross(u, v)) for u, v in ((ac, ad), (ad, bd), (bd, bc), (bc, ac))]
     sines = sum(np.arcsin(np.clip(_dot(normals[k - 1], normals[k]), -1, 1)) for k in range(4))
     side = _dot(np.cross(d - c, b - a), ac)
     # Segments with an end in common lie in a plane, whatever rounding makes of the side.
     apart = np.all([np.any(normal, axis=-1) for normal in normals], axis=0)
     return np.where(apart, sines * np.sign(side), 0)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
 
 
 def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components
+from ...unit_vectors import unit_vectors
 from .groups import Links, OneForm, join_links
 from .lines import line_of_edges
 from .rows import GRID, Row
@@ -86,10 +87,8 @@ def _normals(mesh: TriangleMesh, faces: np.ndarray | None) -> np.ndarray:
         return mesh.face_normals
     vectors = mesh.areas[:, None] * mesh.face_normals
     sums = np.column_stack([np.bincount(faces, weights) for weights in vectors.T])[faces]
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-    means = np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 0)
     alone = np.bincount(faces)[faces] == 1
-    return np.where(alone[:, None], mesh.face_normals, means)
+    return np.where(alone[:, None], mesh.face_normals, unit_vectors(sums))
 
 
 def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components, pairs_within, ragged_arange
+from ...unit_vectors import unit_vectors
 from .groups import OneForm
 from .rows import GRID, Row
 
@@ -53,8 +54,7 @@ def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tup
     first = _first_of_each(triangles, lengths, np.arange(len(met)))
     nearest[triangles[first]] = met[first]
     own = nearest[triangles]
-    across = np.cross(mesh.face_normals[triangles], tangents[own])
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), np.finfo(float).tiny)
+    across = unit_vectors(np.cross(mesh.face_normals[triangles], tangents[own]))
     heights = np.einsum("kx,kx->k", ways, across)
     own_heights = np.einsum("kx,kx->k", points[own] - places[triangles], across)
     beside = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own])) > BESIDE

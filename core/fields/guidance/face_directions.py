@@ -9,13 +9,13 @@ where the surface is flat, and needs no projection where it is not.
 import numpy as np
 
 from ...geometry.triangle_mesh import TriangleMesh
+from ...unit_vectors import unit_vectors
 
 
 def face_frames(mesh: TriangleMesh) -> tuple[np.ndarray, np.ndarray]:
     """Two (m, 3) arrays: the direction of angle 0 in each face, and a quarter turn counterclockwise."""
     a, b = mesh.vertices[mesh.triangles[:, 0]], mesh.vertices[mesh.triangles[:, 1]]
-    lengths = np.linalg.norm(b - a, axis=1, keepdims=True)
-    x = np.divide(b - a, lengths, out=np.zeros_like(a), where=lengths > 0)
+    x = unit_vectors(b - a)
     return x, np.cross(mesh.face_normals, x)
 
 

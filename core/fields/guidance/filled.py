@@ -16,6 +16,7 @@ from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...geometry.tet_mesh import TetMesh
 from ...geometry.triangle_mesh import TriangleMesh
+from ...unit_vectors import unit_vectors
 from .given import SolidVectors, line_matrices, orient_vectors, principal_vectors, vectors_at
 from .potentials import harmonic_function
 from .solid_distance import solid_distance
@@ -92,8 +93,7 @@ def away_from(base: TriangleMesh, points: np.ndarray) -> np.ndarray:
     corners = base.vertices[base.triangles[found]]
     shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
     offsets = points - np.einsum("pc,pcx->px", shares, corners)
-    normals = normals_at(base, found, shares)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit_vectors(normals_at(base, found, shares))
     lengths = np.linalg.norm(offsets, axis=1, keepdims=True)
     is_behind = np.einsum("px,px->p", offsets, normals) < 0
     is_on = lengths < ON_SURFACE * np.ptp(points, axis=0).max()

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from ...geometry.tet_mesh import TetMesh
 from ...graphs import components
 from ...trees import along_trees
+from ...unit_vectors import unit_vectors
 
 # Tetrahedra around a point, by their centres, among which the one that contains it best is chosen; points at once.
 _NEAR, _BATCH = 24, 20_000
@@ -46,8 +47,7 @@ def vectors_at(mesh: TetMesh, values: np.ndarray, points: np.ndarray) -> np.ndar
 
 def line_matrices(vectors: np.ndarray) -> np.ndarray:
     """(k, 3, 3) matrices v v^T / |v| of vectors, whose means are those of lines."""
-    lengths = np.linalg.norm(vectors, axis=1)
-    return vectors[:, :, None] * (vectors / np.where(lengths > 0, lengths, 1)[:, None])[:, None]
+    return vectors[:, :, None] * unit_vectors(vectors)[:, None]
 
 
 def principal_vectors(matrices: np.ndarray) -> np.ndarray:
