@@ -15,8 +15,7 @@ def components(count: int, pairs: ArrayLike) -> np.ndarray:
     """
     pairs = np.asarray(pairs, int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    labels: np.ndarray = connected_components(graph, directed=False)[1]
-    return labels
+    return connected_components(graph, directed=False)[1]
 
 
 def ragged_arange(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -43,8 +43,7 @@ def carry_angles(angles: np.ndarray, mesh: TriangleMesh, moved: TriangleMesh) ->
 def nearest_representatives(angles: np.ndarray, wanted: np.ndarray, symmetry: int) -> np.ndarray:
     """(n,) the representatives of directions at each vertex that are nearest to the wanted angles, radians."""
     turn = 2 * np.pi / symmetry
-    nearest: np.ndarray = angles + turn * np.rint((wanted - angles) / turn)
-    return nearest
+    return angles + turn * np.rint((wanted - angles) / turn)
 
 
 def next_solution(

@@ -147,15 +147,13 @@ def varying_part(
     order = _cuthill_mckee_order(smoothing)
     smooth = np.empty_like(holonomy)
     smooth[order] = factorize(smoothing[order][:, order], single=False).solve(holonomy[order])
-    part: np.ndarray = holonomy - circulation.areas * smooth
-    return part
+    return holonomy - circulation.areas * smooth
 
 
 def _cuthill_mckee_order(matrix: csr_matrix) -> np.ndarray:
     """(s,) order of the rows in which neighbours are near one another. SuperLU finds its own order from this one much
     faster than from the order of faces in some files."""
-    order: np.ndarray = reverse_cuthill_mckee(matrix, symmetric_mode=True)
-    return order
+    return reverse_cuthill_mckee(matrix, symmetric_mode=True)
 
 
 def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
@@ -269,8 +267,7 @@ def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.n
 
     def nearest(wanted: np.ndarray) -> np.ndarray:
         value = potential(mesh, wanted, names)
-        differences: np.ndarray = value[j] - value[i]
-        return differences
+        return value[j] - value[i]
 
     closed: np.ndarray = offsets + nearest(changes - offsets)
     boundary, _ = mesh.boundary_surface
@@ -279,8 +276,7 @@ def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.n
     handles = handle_changes(mesh, is_known)
     handles = handles - np.column_stack([nearest(column) for column in handles.T] or [handles])
     weighted = mesh.weights[:, None] * handles
-    closed = closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
-    return closed
+    return closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
 
 
 def known_turns(connection: Connection, fixed: Targets, merged: Merged) -> np.ndarray:

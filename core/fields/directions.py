@@ -92,8 +92,7 @@ class DirectionField:
     def vectors(self) -> np.ndarray:
         """(n, 3) unit representatives in space."""
         x, y = self.mesh.tangent_frames
-        vectors: np.ndarray = np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
-        return vectors
+        return np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
 
     def turned(self, angle: float | np.ndarray) -> Self:
         """The field with every direction turned counterclockwise by an angle in radians."""

@@ -325,8 +325,7 @@ def pose_layers(
 
 def _places(mesh: TetMesh) -> np.ndarray:
     """Positions of the vertices that have a tetrahedron."""
-    places: np.ndarray = mesh.vertices[np.unique(mesh.tets)]
-    return places
+    return mesh.vertices[np.unique(mesh.tets)]
 
 
 def _check_distances(mesh: TetMesh, spacing: ArrayLike) -> np.ndarray:

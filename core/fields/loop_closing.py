@@ -71,8 +71,7 @@ def cosines(conditions: Sequence[Condition]) -> np.ndarray:
     """(k, k) cosines of the angles between the changes of conditions, weighted by 1 / G."""
     gram = _gram(conditions)
     lengths = np.sqrt(gram.diagonal())
-    result: np.ndarray = gram / np.outer(lengths, lengths)
-    return result
+    return gram / np.outer(lengths, lengths)
 
 
 class LoopClosing:
@@ -106,8 +105,7 @@ class LoopClosing:
             return change
         around = np.zeros(self._flow.shape[1])
         around[self._rows] = self._factor.solve(self._circulation @ change)
-        change = change - self._flow @ around
-        return change
+        return change - self._flow @ around
 
     def condition(self, walk: np.ndarray, reached: np.ndarray, steps: int, aside: int) -> Condition | None:
         """The condition that a walk closes; None where it passes other quads on the mesh's edges, and where constraints

@@ -56,8 +56,7 @@ class Reflection:
         first, second = self._pairs()
         images = np.rint((self.turns - one_form.angles[first] - one_form.angles[second]) / one_form.turn).astype(int)
         # They count in the opposite sense.
-        directions: np.ndarray = (images[:, None] - np.arange(one_form.phase_count)) % (2 * one_form.phase_count)
-        return directions
+        return (images[:, None] - np.arange(one_form.phase_count)) % (2 * one_form.phase_count)
 
     def phase_links(self, one_form: OneForm) -> Links:
         """Links between the phases of a one-form, which are exchanged or reversed."""

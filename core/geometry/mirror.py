@@ -46,8 +46,7 @@ def mirror_planes(stretch: np.ndarray, axes: str) -> np.ndarray:
 def sides_of_planes(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
     """Find the (n, k) side of each of (k, 3) planes that vertices are on: 1, -1, or 0 on the plane."""
     heights = mesh.vertices @ units.T
-    sides: np.ndarray = np.where(np.abs(heights) <= TOLERANCE * np.median(mesh.edge_lengths), 0, np.sign(heights))
-    return sides
+    return np.where(np.abs(heights) <= TOLERANCE * np.median(mesh.edge_lengths), 0, np.sign(heights))
 
 
 def are_divided_by_edges(mesh: TriangleMesh, units: np.ndarray) -> bool:

@@ -92,8 +92,7 @@ def _normals(mesh: TriangleMesh, faces: np.ndarray | None) -> np.ndarray:
 
 
 def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
-    labels: np.ndarray = components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
-    return labels
+    return components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
 
 
 def pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:

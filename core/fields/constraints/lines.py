@@ -210,8 +210,7 @@ def _tangents(points: np.ndarray, steps: np.ndarray, reach: float) -> np.ndarray
     consecutive points, which may be close, would jump where faces meet."""
     reach = min(reach, steps.sum() / 4)
     before, behind = values_along(points, points, (-reach, reach))
-    tangents: np.ndarray = behind - before
-    return tangents
+    return behind - before
 
 
 def join_stations(lines: Iterable[Line]) -> Line:

@@ -86,8 +86,7 @@ class Row:
 def penalties(mesh: TriangleMesh, row: Row) -> np.ndarray:
     """(k,) weights of a soft row's targets at its line's nodes."""
     assert row.weight is not None
-    weights: np.ndarray = row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
-    return weights
+    return row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
 
 
 def direction_targets(

@@ -123,5 +123,4 @@ def _stretch_edges(mesh: TriangleMesh, across: np.ndarray, factors: np.ndarray) 
     forward, sideways = (np.einsum("hx,hx->h", across[faces], part) for part in (along, left))
     extra = (factors[faces] - 1) * forward * (forward + 1j * sideways)
     sums = np.bincount(half, extra.real, len(mesh.edges)) + 1j * np.bincount(half, extra.imag, len(mesh.edges))
-    stretch: np.ndarray = 1 + sums / np.maximum(mesh.edge_face_counts, 1)
-    return stretch
+    return 1 + sums / np.maximum(mesh.edge_face_counts, 1)

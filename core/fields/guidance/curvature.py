@@ -70,5 +70,4 @@ def _smoothed(mesh: TriangleMesh, transport: np.ndarray, integrals: np.ndarray, 
     values = np.concatenate([np.ones(count), links, links.conj()])
     nodes = np.arange(count)
     matrix = csr_array((values, (np.concatenate([nodes, j, i]), np.concatenate([nodes, i, j]))), (count, count))
-    found: np.ndarray = scale * cg(matrix, scale * integrals, rtol=_RESIDUAL)[0]
-    return found
+    return scale * cg(matrix, scale * integrals, rtol=_RESIDUAL)[0]

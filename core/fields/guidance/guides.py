@@ -194,8 +194,7 @@ def _projected_guide(mesh: TriangleMesh, vectors: np.ndarray) -> Guide:
 
 
 def _area_shares(mesh: TriangleMesh) -> np.ndarray:
-    shares: np.ndarray = mesh.vertex_masses / mesh.areas.sum()
-    return shares
+    return mesh.vertex_masses / mesh.areas.sum()
 
 
 def _sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray) -> np.ndarray:
@@ -203,8 +202,7 @@ def _sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray) -> np.ndarray:
 
 
 def _ratio(numerators: np.ndarray, denominators: np.ndarray) -> np.ndarray:
-    ratio: np.ndarray = np.divide(numerators, denominators, out=np.zeros_like(numerators), where=denominators > 0)
-    return ratio
+    return np.divide(numerators, denominators, out=np.zeros_like(numerators), where=denominators > 0)
 
 
 def _refuse_infinite(values: np.ndarray, what: str, element: str) -> None:

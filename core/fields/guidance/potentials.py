@@ -83,8 +83,7 @@ def potential(mesh: TetMesh, changes: np.ndarray, names: np.ndarray | None = Non
     lowest = np.full(pieces.max(initial=-1) + 1, np.inf)
     np.minimum.at(lowest, pieces, result)
     result -= lowest[pieces]
-    function: np.ndarray = result[names]
-    return function
+    return result[names]
 
 
 def _laplacian(mesh: TetMesh, weights: np.ndarray) -> csr_matrix:
@@ -102,8 +101,7 @@ def _solve_at(matrix: csr_matrix, masses: np.ndarray, nodes: np.ndarray, right: 
         return right
     matrix = matrix[nodes][:, nodes].tocsr()
     if len(nodes) <= LARGEST_FACTORIZED:
-        solved: np.ndarray = factorize(matrix, single=False).solve(right)
-        return solved
+        return factorize(matrix, single=False).solve(right)
     scale, mass = matrix.diagonal().mean(), masses[nodes]
     metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SMALL_SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)

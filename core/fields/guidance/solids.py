@@ -140,5 +140,4 @@ def extend_directions(mesh: TetMesh, vectors: np.ndarray) -> np.ndarray:
         return units
     spread = np.nan_to_num(extend_harmonically(mesh, known, units[known]))
     lengths = np.linalg.norm(spread, axis=1)
-    units = np.divide(spread, lengths[:, None], out=np.zeros_like(spread), where=lengths[:, None] > ROUNDING)
-    return units
+    return np.divide(spread, lengths[:, None], out=np.zeros_like(spread), where=lengths[:, None] > ROUNDING)
