@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Connected components of a graph, ranges of different lengths, and pairs of nearby points."""
+"""Connected components of a graph, sums by label, ranges of different lengths, and pairs of nearby points."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,15 @@ def components(count: int, pairs: ArrayLike) -> np.ndarray:
     pairs = np.asarray(pairs, int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
     return connected_components(graph, directed=False)[1]
+
+
+def sum_by(labels: np.ndarray, values: np.ndarray, count: int = 0) -> np.ndarray:
+    """Sum (k,) real or complex values, or (k, d) real ones, of each label; at least ``count`` sums."""
+    if np.iscomplexobj(values):
+        return np.bincount(labels, values.real, count) + 1j * np.bincount(labels, values.imag, count)
+    if values.ndim == 1:
+        return np.bincount(labels, values, count)
+    return np.column_stack([np.bincount(labels, column, count) for column in values.T])
 
 
 def ragged_arange(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

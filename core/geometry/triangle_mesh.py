@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError
-from ..graphs import components
+from ..graphs import components, sum_by
 from ..unit_vectors import unit_vectors
 from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
 from .nearest import NearestTriangles
@@ -146,6 +146,17 @@ class TriangleMesh:
         first = np.concatenate([[0], np.cumsum(self.edge_face_counts)[:-1]])[self.edge_face_counts == 2]
         twins[halves[first]], twins[halves[first + 1]] = halves[first + 1], halves[first]
         return twins
+
+    def halves_off(self, edges: np.ndarray) -> np.ndarray:
+        """Find the half-edges that have a twin and are not on (k,) edges."""
+        is_open = np.ones(len(self.edges), bool)
+        is_open[edges] = False
+        return np.flatnonzero((self.twins >= 0) & is_open[self.triangle_edges.ravel()])
+
+    def parts_between(self, edges: np.ndarray) -> np.ndarray:
+        """Label the part of the surface between (k,) edges that each triangle is in, (m,)."""
+        halves = self.halves_off(edges)
+        return components(self.triangle_count, np.column_stack([halves, self.twins[halves]]) // 3)
 
     @cached_property
     def pieces(self) -> np.ndarray:
@@ -346,11 +357,7 @@ class TriangleMesh:
 
     def _sum_at_vertices(self, corner_values: np.ndarray) -> np.ndarray:
         """Sum (3 m,) or (3 m, k) corner values at their vertices."""
-        corners = self.triangles.ravel()
-        if corner_values.ndim == 1:
-            return np.bincount(corners, weights=corner_values, minlength=self.vertex_count)
-        columns = [np.bincount(corners, weights=c, minlength=self.vertex_count) for c in corner_values.T]
-        return np.column_stack(columns)
+        return sum_by(self.triangles.ravel(), corner_values, self.vertex_count)
 
 
 def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:

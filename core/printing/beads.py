@@ -13,7 +13,7 @@ from ..extract.lines.isolines import End, Isolines
 from ..geometry import TriangleMesh
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
-from ..graphs import components, ragged_arange
+from ..graphs import components, ragged_arange, sum_by
 from ..unit_vectors import unit_vectors
 from .coverage import NARROWEST, REACH, WIDEST, BeadDistances, share_area
 from .flat import RimDistances, is_flat, rim_pieces
@@ -189,8 +189,9 @@ def _widths(lines: Isolines) -> np.ndarray:
     """(l,) mean widths of what closed lines go around."""
     points = lines.points
     crosses = np.cross(points - points[lines.starts][lines.numbers], points[lines.next] - points)
-    doubled = np.stack([np.bincount(lines.numbers, column, len(lines.sizes)) for column in crosses.T], axis=1)
-    return np.linalg.norm(doubled, axis=1) / np.maximum(lines.lengths, np.finfo(float).tiny)
+    return np.linalg.norm(sum_by(lines.numbers, crosses, len(lines.sizes)), axis=1) / np.maximum(
+        lines.lengths, np.finfo(float).tiny
+    )
 
 
 def _is_large(mesh: TriangleMesh, far: np.ndarray, bare: np.ndarray, area: float) -> np.ndarray:

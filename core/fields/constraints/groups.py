@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import breadth_first_order
 from ...connection import circle_transports
 from ...errors import ContradictionError
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import components
+from ...graphs import components, sum_by
 from ...problem import Merged, Targets
 
 # Unit values that differ by more contradict each other; positions in single precision change angles by less.
@@ -50,6 +50,10 @@ class Links:
     angles: np.ndarray
     flips: np.ndarray
     names: np.ndarray
+
+    def chosen(self, rows: np.ndarray) -> "Links":
+        """Some of the links, by indices or a mask."""
+        return Links(self.i[rows], self.j[rows], self.angles[rows], self.flips[rows], self.names[rows])
 
 
 def join_links(parts: Iterable[Links]) -> Links:
@@ -155,7 +159,7 @@ def _agree_leads(links: Links, lead: np.ndarray, known: np.ndarray, at_lead: np.
             f"{name} joins {{vertices}}, for which different values are asked: make them agree, or ask for one only",
             np.append(known[apart], known[first[place[apart]]]),
         )
-    sums = np.bincount(place, at_lead.real) + 1j * np.bincount(place, at_lead.imag)
+    sums = sum_by(place, at_lead)
     return Targets(leads, sums / np.abs(sums))
 
 

@@ -75,13 +75,19 @@ def axis_guide(mesh: TriangleMesh, axis: ArrayLike) -> Guide:
     Raises :class:`SettingError` for another shape, an axis that is zero or not finite, or at right angles to the whole
     surface.
     """
-    axis = np.asarray(axis, float)
-    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
-        raise SettingError(f"the axis {axis.tolist()} has no direction: give three finite numbers, not all zero")
+    axis = checked_axis(axis)
     guide = _projected_guide(mesh, np.broadcast_to(axis, mesh.vertices.shape))
     if not guide.weights.any():
         raise SettingError(f"the axis {axis.tolist()} points straight out of the surface everywhere: tilt it")
     return guide
+
+
+def checked_axis(axis: ArrayLike) -> np.ndarray:
+    """(3,) an axis in space; refuses other shapes, zero, and numbers that are not finite."""
+    axis = np.asarray(axis, float)
+    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
+        raise SettingError(f"the axis {axis.tolist()} has no direction: give three finite numbers, not all zero")
+    return axis
 
 
 def vectors_guide(mesh: TriangleMesh, vectors: ArrayLike) -> Guide:

@@ -16,6 +16,7 @@ from ...errors import SettingError, name_elements
 from ...geometry.polylines import check_length, polyline_length
 from ...geometry.tet_mesh import TetMesh
 from ...graphs import ragged_arange
+from .guides import checked_axis
 from .potentials import extend_harmonically, harmonic_function
 
 # Vectors shorter than this share of the longest have no direction.
@@ -54,9 +55,7 @@ def gradient_vectors(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
 
 def axis_directions(mesh: TetMesh, axis: ArrayLike) -> np.ndarray:
     """The same direction everywhere, (3,) of any length but zero."""
-    axis = np.asarray(axis, float)
-    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
-        raise SettingError(f"the axis {axis.tolist()} has no direction: give three finite numbers, not all zero")
+    axis = checked_axis(axis)
     return np.tile(axis / np.linalg.norm(axis), (mesh.vertex_count, 1))
 
 
