@@ -34,13 +34,8 @@ def ragged_arange(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def pairs_within(tree: cKDTree, points: np.ndarray, reach: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the points of a tree within reach of (n, d) points; ``reach`` is one length or (n,) lengths.
-
-    Returns
-    -------
-    rows : (k,) int, ascending, the given point of each pair
-    places : (k,) int, the point of the tree, ascending for each given point
-    """
+    """Find the points of a tree within reach, one length or (n,), of (n, d) points: (k,) the given point and (k,) the
+    point of the tree of each pair, ascending."""
     found = tree.query_ball_point(points, reach, return_sorted=True)
     rows, _ = ragged_arange(np.array([len(near) for near in found], int))
     return rows, np.concatenate([np.empty(0, int), *found]).astype(int)

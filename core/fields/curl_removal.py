@@ -112,14 +112,9 @@ def remove_holonomy(
     known: np.ndarray | None = None,
     rough: bool = False,
 ) -> CurlRemoval:
-    """The correction of changes with given sums.
+    """The correction of changes with (c,) weights that takes (s,) sums out; an approximate one where ``rough``.
 
-    Parameters
-    ----------
-    holonomy : (s,) sums of the changes
-    weights : (c,) of the changes
-    known : (c,) changes known from constraints less the target changes, nan where unknown; optional
-    rough : whether an approximate one will do
+    ``known`` are (c,) changes known from constraints less the target changes, nan where unknown.
     """
     inverse_weights, correction = _inverse_weights(weights, known), np.zeros(len(weights))
     if known is not None:

@@ -69,7 +69,6 @@ class DirectionField:
 
     Attributes
     ----------
-    mesh : TriangleMesh
     symmetry : 1, 2 or 4
     angles : (n,) one representative, radians in the vertices' tangent planes
     solution : None for directions that were given
@@ -109,12 +108,8 @@ class DirectionField:
 
         The Levi-Civita connections of conformal metrics differ by the change, across the edges, of the factor's
         logarithm: these changes are the multipliers that remove the curvature, over the symmetry. Sizes vary
-        ``LARGEST_RATIO``-fold at most; each piece keeps its number of quads.
-
-        Parameters
-        ----------
-        share : from 0 to 1
-        known : (e,) turns of the powers known from constraints (see :func:`known_turns`), optional
+        ``LARGEST_RATIO``-fold at most; each piece keeps its number of quads. ``known`` are (e,) turns of the powers
+        known from constraints (see :func:`known_turns`).
         """
         mesh = self.mesh
         if share == 0:

@@ -29,7 +29,6 @@ class TargetOneForm:
 
     Attributes
     ----------
-    mesh : TriangleMesh
     angles : (n,) radians, direction in which the first phase grows; the next ones follow at pi / k
     rates : (n, k) phase per unit length
     matchings : (e,) see :mod:`core.matchings`

@@ -130,14 +130,10 @@ class ObjectMesh:
         return places
 
     def surface(self, strict: bool = False, weld: bool = False) -> MeshInput:
-        """The surface, repaired where it has to be.
+        """The surface, repaired where it has to be unless ``strict``, with boundary vertices at the same place joined
+        if asked.
 
         Raises MeshError naming the first element that cannot carry a field.
-
-        Parameters
-        ----------
-        strict : refuse what cannot carry a field as it is, instead of repairing it
-        weld : join boundary vertices at the same place
         """
         count = len(self.places)
         joined = welded_vertices(self.places, self.polygons.triangles) if weld else np.arange(count)

@@ -79,7 +79,6 @@ class Program:
 
     Attributes
     ----------
-    text : str
     seconds : that it takes, about
     filament, volume : length that is drawn in, and what it is extruded to
     deviation : of the tip from its way on the part, at most; on five axes
@@ -102,20 +101,10 @@ class Program:
 
 
 def gcode(course: Course, machine: Machine) -> Program:
-    """The :class:`Program` of a course.
+    """The :class:`Program` of a course of one bead at least; SettingError where the part is outside of the bed.
 
     Points that no move needs (``Machine.tolerance``) are left out, what leads to them is extruded by the next move; on
     five axes moves are divided until the tip stays within ``Machine.deviation`` of its way.
-
-    Parameters
-    ----------
-    course : Course, one bead at least
-    machine : Machine
-
-    Raises
-    ------
-    SettingError
-        where the part is outside of the bed
     """
     _check_place(course, machine)
     course, warnings = _with_skirt(course, machine)

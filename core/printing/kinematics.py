@@ -66,14 +66,9 @@ def table_angles(points: np.ndarray, axes: np.ndarray, sizes: np.ndarray, machin
     """(n, 2) angles of the table along beads, in degrees: steady within each, and near those of the bead before.
 
     A table that is tilted to the other side and turned by half a turn has the tool along the same direction. Within a
-    bead the tilt goes through upright to the other side where that keeps the turn steady; between beads the nearer
-    of both is taken.
-
-    Parameters
-    ----------
-    points, axes : (n, 3) of the part, and unit vectors of the tool, in the order of the moves
-    sizes : points of each bead
-    machine : Machine
+    bead the tilt goes through upright to the other side where that keeps the turn steady; between beads the nearer of
+    both is taken. Points and unit vectors of the tool are (n, 3), in the order of the moves; ``sizes`` are the numbers
+    of points of the beads.
     """
     if not machine.turns:
         return np.zeros((len(points), 0))
@@ -142,18 +137,9 @@ def divide_moves(
     """More points along beads, between which straight moves of the machine's axes keep the tip near its way: less than
     half of the machine's deviation.
 
-    The tip goes straight from point to point on the part, and the table's angles change evenly on the way.
-
-    Parameters
-    ----------
-    points : (n, 3) of the part
-    angles : (n, 2)
-    first : (n,) bool, points that begin a bead
-    machine : Machine
-
-    Returns
-    -------
-    spans, shares : (m,) the point after which each new point comes, and how far on the way to the next one
+    The tip goes straight from point to point on the part, and the table's angles change evenly on the way. (n,) bool
+    ``first`` are points that begin a bead. Returns (m,) the point after which each new point comes, and (m,) how far it
+    is on the way to the next one.
     """
     count = len(points)
     if not machine.turns or count < 2:

@@ -8,8 +8,8 @@ SECTION = 0.05
 
 
 def simplify_moves(along: np.ndarray, stations: np.ndarray, sections: np.ndarray, tolerance: float) -> np.ndarray:
-    """Points of a bead between which straight moves stay near it (Ramer, Douglas and Peucker, with both ways at the
-    same share of the length).
+    """(m,) the points of a bead, with both ends, between which straight moves stay near it (Ramer, Douglas and Peucker,
+    with both ways at the same share of the length).
 
     Parameters
     ----------
@@ -17,10 +17,6 @@ def simplify_moves(along: np.ndarray, stations: np.ndarray, sections: np.ndarray
     stations : (k, d) the machine's axes there, in which moves are straight, all as lengths
     sections : (k - 1,) of the bead between points
     tolerance : sum of the distances along the axes below which a point can be left out; 0 keeps all
-
-    Returns
-    -------
-    (m,) ascending numbers of points, the first and the last one among them
     """
     kept, spans = np.zeros(len(along), bool), [(0, len(along) - 1)]
     kept[[0, -1]] = True

@@ -35,13 +35,11 @@ def collisions(points: np.ndarray, axes: np.ndarray, machine: Machine, step: flo
     Parameters
     ----------
     points, axes : (n, 3) of the tip, in the order in which they are printed, and of the tool
-    machine : Machine, with lengths in the points' unit
+    machine : with lengths in the points' unit
     step : between beads; of what is farther than four of them, places that are one apart are looked at
-    slack : height above the tip up to which material is none that it meets
+    slack : the tool does not meet material up to this height above the tip
 
-    Returns
-    -------
-    (n,) the first place that it meets, -1 for none
+    Returns (n,) the first place that it meets, -1 where it meets none.
     """
     met = np.full(len(points), -1)
     length, widens = machine.nozzle_length, np.tan(np.radians(machine.nozzle_angle))

@@ -164,13 +164,8 @@ def _stretch(obj):
 
 
 def can_be_split(obj, faces, surface):
-    """The faces that can be split into triangles: none of these may exist as another face already.
-
-    Parameters
-    ----------
-    faces : (k,) candidates
-    surface : Polygons of the surface; a face that doubles another one there may be one of its triangles
-    """
+    """Those of (k,) faces that can be split into triangles, none of which exists as another face already; a face that
+    doubles another one in the surface's Polygons may be one of its triangles."""
     if len(faces) == 0:
         return np.array([], int)
     polygons, names = read_polygons(obj), np.arange(len(surface.starts))

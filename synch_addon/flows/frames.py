@@ -19,15 +19,11 @@ _MARKS = re.compile(r"#+")
 
 
 def flow_frames(source, first, last, attribute=VELOCITY):
-    """The :class:`FrameFile` of every frame of a range, and the name of the sequence.
+    """The :class:`FrameFile` of every frame of the scene from the first to the last, and the name of the sequence.
 
-    Parameters
-    ----------
-    source : path whose name has # in place of each digit of the frame's number, or a volume object with a sequence
-    first, last : frames of the scene
-    attribute : grid of a volume, as :func:`flow_source` has it
-
-    Raises SettingError for a source without frames, and naming the first file that is missing.
+    The source is a path whose name has # in place of each digit of the frame's number, or a volume object with a
+    sequence; the attribute is as of :func:`flow_source`. Raises SettingError for a source without frames, and naming
+    the first file that is missing.
     """
     module = module_file()
     if isinstance(source, str | Path):

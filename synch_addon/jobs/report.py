@@ -158,15 +158,8 @@ class Report:
 
 
 def ending(settings, times, start, warnings):
-    """The last entries of the report of every run.
-
-    Parameters
-    ----------
-    settings : dict of the settings
-    times : seconds of the parts of the work, by their names
-    start : when the run began, by ``time.perf_counter``
-    warnings : list of lines
-    """
+    """The last entries of the report of every run: the dict of its settings, the seconds of its parts by name, the
+    seconds since its start, by ``time.perf_counter``, and the lines of warnings."""
     return {
         "times": times | {"total": time.perf_counter() - start},
         "peak_memory_mb": peak_megabytes(),

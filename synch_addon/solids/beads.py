@@ -27,16 +27,12 @@ _COLOR, _MATERIAL = "synch_color", "Synch Beads"
 
 
 def add_beads(plan, look, name):
-    """The object of beads in the solid's space, and the collection of its tubes, which is in no scene.
+    """The named object of a PrintPlan's beads in the solid's space, and the collection of its tubes, which is in no
+    scene.
 
     Attributes of the tubes hold what the beads have: `layer`, `height`, `tilt` and `speed` in millimetres, degrees and
-    millimetres a second, and `printed`, the share of the printing time after which they are there.
-
-    Parameters
-    ----------
-    plan : PrintPlan
-    look : one of :data:`LOOKS`, the colours
-    name : of the object
+    millimetres a second, and `printed`, the share of the printing time after which they are there. The look is one of
+    :data:`LOOKS`, the colours.
     """
     lines, values = plan.lines, _values(plan)
     colors, rings = _colors(values[look], look), _rings(plan)

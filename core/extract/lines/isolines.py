@@ -188,15 +188,8 @@ class Isolines:
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
     """The isolines of stripes, or both families of a quad pattern's grid lines.
 
-    Raises SettingError for another width, a width of quads, or too many lines.
-
-    Parameters
-    ----------
-    edge_phases : EdgePhases
-    width : for stripes, the part of a period that is filled, whose edges are drawn; 0 for the middles of stripes, 1 for
-        the middles of gaps
-
-    Raises SettingError for another width, a width of quads, or too many lines.
+    Of stripes, the ``width`` is the part of a period that is filled, whose edges are drawn; 0 for the middles of
+    stripes, 1 for the middles of gaps. Raises SettingError for another width, a width of quads, or too many lines.
     """
     levels = _levels(edge_phases, width)
     # Lines on the boundary are moved inside, so that they are drawn.

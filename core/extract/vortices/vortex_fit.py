@@ -18,14 +18,9 @@ _CHUNK = 4096
 def fitted_places(grid: Grid, asked: np.ndarray, faces: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """(k, 2) shares along both axes of (k,) faces at which single vortices pass; NaN where nothing like one is there.
 
-    The flow along the 24 edges of the faces around is compared with that of a straight vortex of one quantum through
-    the face at many places, with many cores, and a uniform flow. Places count by how well they fit.
-
-    Parameters
-    ----------
-    asked : (e,) phase change along each edge that the flow asks for
-    faces : (k,)
-    signs : (k,) +1 for vortices that go around as the face does, else -1
+    The (e,) phase changes that the flow asks for along the 24 edges around a face are compared with those of a straight
+    vortex of one quantum through the face at many places, with many cores, and a uniform flow. Places count by how well
+    they fit. Signs are +1 for vortices that go around as the face does, else -1.
     """
     result = np.full((len(faces), 2), np.nan)
     tried = np.array([place for _, *place in product(_CORES, _SHARES, _SHARES)])

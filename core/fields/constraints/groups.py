@@ -64,14 +64,10 @@ def join_links(parts: Iterable[Links]) -> Links:
 
 
 def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: str) -> Targets:
-    """The fixed phases of several sources, each node once.
+    """The fixed phases of several sources, each node once; a part is the name of a source, (k,) nodes and (k,) complex
+    values.
 
-    Raises :class:`ContradictionError` for nodes that are fixed to different phases.
-
-    Parameters
-    ----------
-    parts : name of the source, (k,) nodes and (k,) complex values
-    remedy : what to do where two sources contradict each other
+    Raises :class:`ContradictionError`, with a remedy, for nodes that are fixed to different phases.
     """
     if not parts:
         return Targets.none()
@@ -89,13 +85,8 @@ def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: st
 
 
 def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, slack: float) -> Targets:
-    """Drop the fixed values that contradict others through a link and may give way.
-
-    Parameters
-    ----------
-    gives_way : (k,) bool, for each fixed value
-    slack : how far linked unit values may differ
-    """
+    """Drop the fixed values that differ from others by more than the slack through a link, where (k,) bool they may
+    give way."""
     values = np.full(
         max(links.i.max(initial=-1), links.j.max(initial=-1), fixed.nodes.max(initial=-1)) + 1, np.nan, complex
     )
@@ -110,14 +101,8 @@ def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, sla
 def contract_groups(count: int, links: Links, fixed: Targets, slack: float = TOLERANCE) -> tuple[Targets, Merged]:
     """Fixed and merged nodes of linked groups: a group with a fixed node is fixed, others merge into their first node.
 
-    Raises :class:`ContradictionError` when links come back with another phase, or join nodes that are fixed to
-    different ones.
-
-    Parameters
-    ----------
-    count : number of nodes
-    fixed : without weights
-    slack : how far linked unit values may differ; those that are joined are averaged
+    Linked unit values may differ by the slack; those that are joined are averaged. Raises :class:`ContradictionError`
+    when links come back with another phase, or join nodes that are fixed to different ones.
     """
     if len(links.i) == 0:
         return fixed, Merged.none()

@@ -35,7 +35,6 @@ class Row:
 
     Attributes
     ----------
-    line : Line
     kind : "along", "across", or "angle" to the line; "phase" for a fixed phase, "constant" for one that is
         free on each connected piece of the line; "grid" for a grid line that gives way to other rows
     value : radians: the angle, counterclockwise from the line, or the phase, where it grows to the line's left;

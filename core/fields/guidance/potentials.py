@@ -57,13 +57,10 @@ def extend_harmonically(mesh: TetMesh, known: np.ndarray, values: np.ndarray) ->
 
 
 def potential(mesh: TetMesh, changes: np.ndarray, names: np.ndarray | None = None) -> np.ndarray:
-    """(n,) the function whose changes along the edges are nearest to given ones, weighted; its least value is 0 on each
-    connected piece.
+    """(n,) the function whose changes along the edges are nearest to (e,) given ones, weighted; its least value is 0 on
+    each connected piece.
 
-    Parameters
-    ----------
-    changes : (e,) from the lower to the higher vertex
-    names : (n,) int from 0, vertices of the same name have the same value; optional
+    Vertices with the same of (n,) names, int from 0, have the same value.
     """
     i, j = mesh.edges.T
     flow = mesh.weights * changes

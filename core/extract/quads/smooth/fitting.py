@@ -27,13 +27,9 @@ _TINY = np.finfo(float).tiny
 def fit_quads(
     quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, rounds: int, chains: Chains | None = None
 ) -> QuadMesh:
-    """The quad mesh after some rounds; the targets of faces that are not quads are regular polygons.
+    """The quad mesh on a surface after some rounds; the targets of faces that are not quads are regular polygons.
 
-    Parameters
-    ----------
-    mesh : the surface
-    free : (n,) bool, vertices that may move; those on lines stay on their lines
-    chains : vertices on feature lines
+    Only (n,) bool free vertices move, those on feature lines along the chains.
     """
     lines = sliding_lines(free, chains)
     movable = np.flatnonzero(free)
