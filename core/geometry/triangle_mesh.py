@@ -23,11 +23,12 @@ from .vertex_splitting import next_half_edges, previous_half_edges
 _LARGEST = 1e200
 
 
-def _rows_of_three(values: ArrayLike, dtype: type, remedy: str) -> np.ndarray:
+def rows_of(width: int, values: ArrayLike, dtype: type, remedy: str) -> np.ndarray:
+    """Convert values to a contiguous (n, width) array; MeshError with a remedy for another shape."""
     array = np.asarray(values)
-    if array.size and (array.ndim != 2 or array.shape[1] != 3):
-        raise MeshError(f"an array of shape {array.shape} where (n, 3) is needed: {remedy}")
-    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, 3)
+    if array.size and (array.ndim != 2 or array.shape[1] != width):
+        raise MeshError(f"an array of shape {array.shape} where (n, {width}) is needed: {remedy}")
+    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, width)
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,8 @@ class TriangleMesh:
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
-        self.vertices = _rows_of_three(vertices, np.float64, "vertices are points in space")
-        self.triangles = _rows_of_three(triangles, np.int64, "split polygons into triangles")
+        self.vertices = rows_of(3, vertices, np.float64, "vertices are points in space")
+        self.triangles = rows_of(3, triangles, np.int64, "split polygons into triangles")
         outside = ((self.triangles < 0) | (self.triangles >= len(self.vertices))).any(axis=1)
         if outside.any():
             face = np.flatnonzero(outside)[0]
