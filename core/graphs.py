@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Connected components of a graph, sums by label, ranges of different lengths, and pairs of nearby points."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
@@ -16,6 +18,17 @@ def components(count: int, pairs: ArrayLike) -> np.ndarray:
     pairs = np.asarray(pairs, int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
     return connected_components(graph, directed=False)[1]
+
+
+def take_loops(following: dict[int, int]) -> Iterator[list[int]]:
+    """Take the loops out of a table of the node that follows each node, which is empty in the end."""
+    while following:
+        first, node = following.popitem()
+        loop = [first]
+        while node != first:
+            loop.append(node)
+            node = following.pop(node)
+        yield loop
 
 
 def sum_by(labels: np.ndarray, values: np.ndarray, count: int = 0) -> np.ndarray:

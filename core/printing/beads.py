@@ -164,13 +164,10 @@ def _moved_apart(
 
 def without_straight_points(lines: Isolines, longest: float) -> Isolines:
     """Lines without points on straight ways between others that are no farther apart than the longest."""
-    points, following = lines.points, lines.next
-    ways = points[following] - points
+    ways = lines.points[lines.next] - lines.points
     lengths = np.linalg.norm(ways, axis=1)
     units = unit_vectors(ways)
-    before = np.arange(len(points)) - 1
-    before[lines.starts] = np.where(lines.closed, lines.starts + lines.sizes - 1, lines.starts)
-    turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[before]), -1, 1))
+    turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[lines.previous]), -1, 1))
     number, way, turned = lines.numbers, np.cumsum(lengths) - lengths, np.cumsum(turns)
     bins = np.column_stack([number, way // longest, turned // _TURNED])
     kept = np.append(True, (np.diff(bins, axis=0) != 0).any(axis=1)) | (turns > _TURNED)

@@ -96,15 +96,11 @@ def _mean(values, parents, weights, name):
 
 def _edge_numbers(made, pairs):
     """(e,) edges of a mesh by (e, 2) their vertices."""
-    count = len(made.data.vertices)
-    known, asked = (np.sort(ends, axis=1).astype(np.int64) for ends in (_ends(made), pairs))
+    count, ends = len(made.data.vertices), attributes.read_all(made.data.edges, "vertices", 2)
+    known, asked = (np.sort(ends, axis=1).astype(np.int64) for ends in (ends, pairs))
     known, asked = known @ [count, 1], asked @ [count, 1]
     order = np.argsort(known)
     return order[np.searchsorted(known[order], asked)]
-
-
-def _ends(obj):
-    return attributes.read_all(obj.data.edges, "vertices", 2)
 
 
 def _at_edges(values, edges, count):

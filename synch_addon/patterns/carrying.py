@@ -16,7 +16,7 @@ from ..blender.schema import DIRECTION, PATTERN, PHASES
 from ..blender.transaction import assign
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree
 from ..nodes.quads import phase_groups
-from ..nodes.stripes import VERSION, phase_group
+from ..nodes.stripes import VERSION
 
 _INPUTS = (Socket("Geometry", "Geometry", "What other modifiers made of a mesh with a pattern"),)
 _OUTPUTS = (Socket("Geometry", "Geometry", "The same with directions, phases and pattern at its vertices"),)
@@ -25,10 +25,7 @@ _OUTPUTS = (Socket("Geometry", "Geometry", "The same with directions, phases and
 def carry_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Carry" of stripes or "Synch Quad Carry", built when missing, rebuilt when outdated."""
     tree, canvas = group_tree(CARRIES[kind], f"{VERSION}", _INPUTS, _OUTPUTS, GeometryCanvas)
-    if kind == "stripes":
-        phases = [phase_group("Synch Relief Phase", canvas_type=GeometryCanvas)]
-    else:
-        phases = phase_groups("Synch Relief Phase", GeometryCanvas)
+    phases = phase_groups(kind, "Synch Relief Phase", GeometryCanvas)
     if canvas is None:
         return tree
     tree.is_modifier = True

@@ -28,7 +28,7 @@ from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
 from ..nodes.stripe_profiles import THREAD_TIP, choose_profile, place_in_stripe, profile_heights
-from ..nodes.stripes import VERSION, phase_group
+from ..nodes.stripes import VERSION
 
 # Edges that a period should have, and the faces up to which the mesh is subdivided for them.
 _EDGES_PER_PERIOD = 12
@@ -72,7 +72,7 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
     name, profiles = KINDS[kind]
     tree, canvas = group_tree(name, f"{VERSION}", _inputs(kind, profiles), _OUTPUTS, GeometryCanvas)
-    phases = _phase_groups(kind)
+    phases = phase_groups(kind, "Synch Relief Phase", GeometryCanvas)
     if canvas is None:
         return tree
     tree.interface.items_tree["Height"].subtype = "DISTANCE"
@@ -84,12 +84,6 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
     with canvas.band("Relief"):
         canvas.outputs(Geometry=_raise_mesh(canvas, inputs, canvas.on_corners(height)))
     return tree
-
-
-def _phase_groups(kind):
-    if kind == "stripes":
-        return [phase_group("Synch Relief Phase", canvas_type=GeometryCanvas)]
-    return phase_groups("Synch Relief Phase", GeometryCanvas)
 
 
 def _stripe_height(canvas, phases, inputs):
