@@ -12,9 +12,8 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
 from ..graphs import pairs_within, ragged_arange
-from .kinematics import divide_moves, table_angles, tip_deviation, to_machine, tool_directions
+from .kinematics import divide_moves, simplify_moves, table_angles, tip_deviation, to_machine, tool_directions
 from .machine import Machine
-from .moves import simplify_moves
 from .timing import feed_words, move_seconds, overhead_seconds, turn_accelerations
 from .writer import ProgramWriter
 

@@ -10,20 +10,24 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from ...geometry.filling.closed_surface import Area
 from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...geometry.tet_mesh import TetMesh
 from ...geometry.triangle_mesh import TriangleMesh
+from ...graphs import components
+from ...trees import along_trees
 from ...unit_vectors import unit_vectors
-from .given import SolidVectors, line_matrices, orient_vectors, principal_vectors, vectors_at
 from .potentials import harmonic_function
 from .solid_distance import solid_distance
 from .solids import axis_directions, check_vectors, curve_vectors, gradient_vectors, vector_directions
 
 # Points this near to a surface, as a share of their extent, lie on it.
 ON_SURFACE = 1e-6
+# Tetrahedra around a point, by their centres, among which the one that contains it best is chosen; points at once.
+_NEAR, _BATCH = 24, 20_000
 
 
 class Filled(Protocol):
@@ -33,6 +37,17 @@ class Filled(Protocol):
     def solid(self) -> TetMesh: ...
     def vertices_on(self, area: Area) -> np.ndarray: ...
     def on_boundary(self, values: np.ndarray) -> np.ndarray: ...
+
+
+class SolidVectors(Protocol):
+    """What guides need of a :class:`core.files.solid_vectors.SolidVectors`, which describes it."""
+
+    @property
+    def mesh(self) -> TetMesh: ...
+    @property
+    def values(self) -> np.ndarray: ...
+    @property
+    def at_vertices(self) -> bool: ...
 
 
 def along_axis(axis: ArrayLike, filled: Filled) -> np.ndarray:
@@ -99,3 +114,46 @@ def away_from(base: TriangleMesh, points: np.ndarray) -> np.ndarray:
     is_on = lengths < ON_SURFACE * np.ptp(points, axis=0).max()
     signed = np.where(is_behind[:, None], -offsets, offsets)
     return np.where(is_on, normals, signed / np.where(is_on, 1, lengths))
+
+
+def vectors_at(mesh: TetMesh, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(k, ...) values at points from (n, ...) values at vertices, linear in each tetrahedron; outside of the solid,
+    those at its nearest side."""
+    tree = cKDTree(mesh.vertices[mesh.tets].mean(axis=1))
+    near = min(_NEAR, mesh.tet_count)
+    found = np.empty((len(points), *values.shape[1:]))
+    for part in np.array_split(np.arange(len(points)), len(points) // _BATCH + 1):
+        tets = tree.query(points[part], near)[1].reshape(len(part), near)
+        offsets = points[part][:, None] - mesh.vertices[mesh.tets[tets, 0]]
+        others = np.einsum("knix,knx->kni", mesh.hat_gradients[tets, 1:], offsets)
+        weights = np.concatenate([1 - others.sum(axis=2, keepdims=True), others], axis=2)
+        best = weights.min(axis=2).argmax(axis=1)
+        rows = np.arange(len(part))
+        inside = np.maximum(weights[rows, best], 0)
+        inside /= inside.sum(axis=1, keepdims=True)
+        found[part] = np.einsum("ki,ki...->k...", inside, values[mesh.tets[tets[rows, best]]])
+    return found
+
+
+def line_matrices(vectors: np.ndarray) -> np.ndarray:
+    """(k, 3, 3) matrices v v^T / |v| of vectors, whose means are those of lines."""
+    return vectors[:, :, None] * unit_vectors(vectors)[:, None]
+
+
+def principal_vectors(matrices: np.ndarray) -> np.ndarray:
+    """(k, 3) eigenvectors of the largest eigenvalues of symmetric matrices, as long as these; of either sign."""
+    values, vectors = np.linalg.eigh(matrices)
+    return vectors[:, :, 2] * values[:, 2:]
+
+
+def orient_vectors(mesh: TetMesh, lines: np.ndarray) -> np.ndarray:
+    """(n, 3) vectors of either sign, oriented along shortest paths from one vertex in each piece; zero where neighbours
+    still disagree, around lines that come back to themselves reversed."""
+    i, j = mesh.edges.T
+    agree = np.where(np.einsum("ex,ex->e", lines[i], lines[j]) < 0, -1.0, 1.0)
+    roots = np.unique(components(mesh.vertex_count, mesh.edges), return_index=True)[1]
+    signs = along_trees(mesh.vertex_count, i, j, agree.astype(complex), roots).real
+    turned: np.ndarray = np.where(signs < 0, -1.0, 1.0)[:, None] * lines
+    odd = np.einsum("ex,ex->e", turned[i], turned[j]) < 0
+    turned[mesh.edges[odd]] = 0
+    return turned
