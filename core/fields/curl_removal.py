@@ -277,10 +277,12 @@ def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.n
 def known_turns(connection: Connection, fixed: Targets, merged: Merged) -> np.ndarray:
     """(c,) turns along the edges known from constraints, less those of the connection; nan where unknown.
 
-    Radians in [-pi, pi), after a flip. The connection is on the circle, and ``fixed`` has no weights.
+    The value of a merged node is that of its root, turned and perhaps flipped by its transport; those of fixed nodes
+    are given. So the turn along an edge is known where both ends have the same root, or are fixed. Radians in
+    [-pi, pi), after a flip. The connection is on the circle, and ``fixed`` has no weights.
     """
     count = connection.node_count
-    # The group of fixed nodes is numbered like a node beyond the last.
+    # The root of each node and its turn and flip from there; all fixed nodes have one beyond the last node.
     group = np.full(count, -1)
     turns, flips = np.zeros(count), np.zeros(count, bool)
     group[merged.roots] = merged.roots

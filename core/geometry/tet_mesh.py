@@ -186,6 +186,8 @@ class TetMesh:
     @cached_property
     def hat_gradients(self) -> np.ndarray:
         """(m, 4, 3) gradient of the linear function that is 1 at a corner and 0 at the others, one over length."""
+        # Each is normal to the opposite face, as long as one over the height above it: twice the face's area over six
+        # times the volume. All four add up to zero, as the functions add up to one.
         a, b, c, d = np.moveaxis(self.vertices[self.tets], 1, 0)
         gradients = np.empty((self.tet_count, 4, 3))
         gradients[:, 1] = np.cross(c - a, d - a)

@@ -13,7 +13,7 @@ from ..extract.lines.isolines import End, Isolines
 from ..geometry import TriangleMesh
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
-from ..graphs import components, ragged_arange, sum_by
+from ..graphs import components, sum_by
 from ..unit_vectors import unit_vectors
 from .coverage import NARROWEST, REACH, WIDEST, BeadDistances, share_area
 from .flat import RimDistances, is_flat, rim_pieces
@@ -173,7 +173,7 @@ def without_straight_points(lines: Isolines, longest: float) -> Isolines:
     kept = np.append(True, (np.diff(bins, axis=0) != 0).any(axis=1)) | (turns > _TURNED)
     kept[lines.starts + lines.sizes - 1] = True
     sizes = np.bincount(number[kept], minlength=len(lines.sizes))
-    return replace(lines, triangles=lines.triangles[kept], weights=lines.weights[kept], sizes=sizes)
+    return lines.with_points(np.flatnonzero(kept), sizes, lines.ends)
 
 
 def _away(lines: Isolines, layers: np.ndarray, step: float) -> BeadDistances:
@@ -239,18 +239,12 @@ def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: B
 def join_lines(parts: Sequence[_Found]) -> _Found:
     """Lines on one mesh as one set, ordered by layer."""
     lines, layers, kinds, widths = zip(*parts, strict=True)
-    sizes, of = np.concatenate([part.sizes for part in lines]), np.concatenate(layers)
+    names = ("triangles", "weights", "sizes", "ends")
+    joined = Isolines(lines[0].mesh, *(np.concatenate([getattr(part, name) for part in lines]) for name in names))
+    of = np.concatenate(layers)
     order = np.argsort(of, kind="stable")
-    run, place = ragged_arange(sizes[order])
-    points = (np.cumsum(sizes) - sizes)[order][run] + place
-    joined = Isolines(
-        lines[0].mesh,
-        np.concatenate([part.triangles for part in lines])[points],
-        np.concatenate([part.weights for part in lines])[points],
-        sizes[order],
-        np.concatenate([part.ends for part in lines])[order],
-    )
-    return joined, of[order], np.concatenate(kinds)[order], np.concatenate(widths)[points]
+    widths = np.concatenate(widths)[joined.points_of(order)]
+    return joined.chosen(order), of[order], np.concatenate(kinds)[order], widths
 
 
 def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
@@ -271,12 +265,6 @@ def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isoli
     part = np.cumsum(begins)[is_kept] - 1
     of = numbers[begins]
     ends = np.where(whole[of][:, None], lines.ends[of], End.BOUNDARY)
-    made = replace(
-        lines,
-        triangles=lines.triangles[points],
-        weights=lines.weights[points],
-        sizes=np.bincount(part, minlength=len(of)),
-        ends=ends,
-    )
+    made = lines.with_points(points, np.bincount(part, minlength=len(of)), ends)
     long = whole[of] | (made.lengths >= shortest)
     return made.chosen(long), of[long], points[long[part]]

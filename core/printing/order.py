@@ -2,7 +2,6 @@
 """The order in which beads are laid: what carries others first, and then the nearest one."""
 
 import heapq
-from dataclasses import replace
 
 import numpy as np
 
@@ -102,11 +101,4 @@ def order_lines(
             runs.append(row)
     taken = np.array(chosen, int)
     points = np.concatenate([*runs, np.zeros(0, int)]).astype(int)
-    made = replace(
-        lines,
-        triangles=lines.triangles[points],
-        weights=lines.weights[points],
-        sizes=lines.sizes[taken],
-        ends=lines.ends[taken],
-    )
-    return made, taken, points
+    return lines.with_points(points, lines.sizes[taken], lines.ends[taken]), taken, points

@@ -112,13 +112,8 @@ class Report:
         }
 
     def closing_entries(self, solutions, settings):
-        """The last entries of the report.
-
-        Parameters
-        ----------
-        solutions : solutions of the solves, None for directions that were given
-        settings : dict of settings to report in place of those of the run
-        """
+        """The last entries of the report, for solutions of the solves, None for directions that were given, and a dict
+        of settings that replace those of the run."""
         clock = Clock()
         for times in [self.clock.seconds, *(solution.times for solution in solutions if solution)]:
             clock.add(times)

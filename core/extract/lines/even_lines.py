@@ -27,6 +27,7 @@ SHARES = (0.8, 0.4, 0.15)
 def evenly_traced(mesh: TriangleMesh, vectors: np.ndarray, symmetry: int, limit: int) -> Streamlines:
     """Evenly spaced :class:`Streamlines`, at most about ``limit`` of full length; arguments as :func:`trace`."""
     area = mesh.areas.sum()
+    # At least so far apart that lines of full length, ASPECT times as long, are no more than the limit.
     apart = min(EDGES_APART * mesh.edge_lengths.mean(), np.sqrt(area) / LINES_ACROSS)
     apart = max(apart, np.sqrt(area / (ASPECT * limit)))
     triangles, weights = even_seeds(mesh, int(np.ceil(SEEDS * area / apart**2)))
@@ -81,7 +82,10 @@ def _free_run(blocked: np.ndarray, seed: int) -> tuple[int, int]:
 
 
 def _stretches(mesh: TriangleMesh, traced: Streamlines, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut lines into stretches of a length: each piece's stretch, numbered over all lines and from the line's seed."""
+    """Cut lines into stretches of a length, counted from each line's seed.
+
+    Returns (p,) the stretch of each piece, numbered over all lines, and (p,) its number on the line, 0 after the seed.
+    """
     ends = traced.segments(mesh)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     middles = np.cumsum(lengths) - lengths / 2
