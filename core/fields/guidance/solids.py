@@ -17,15 +17,10 @@ from ...geometry.polylines import check_length, polyline_length
 from ...geometry.tet_mesh import TetMesh
 from ...graphs import ragged_arange
 from .guides import checked_axis
-from .potentials import extend_harmonically, harmonic_function
+from .potentials import extend_harmonically
 
 # Vectors shorter than this share of the longest have no direction.
 ROUNDING = 1e-9
-
-
-def harmonic_directions(mesh: TetMesh, low: ArrayLike, high: ArrayLike) -> np.ndarray:
-    """From one set of vertices to another, (n,) bool each, along the gradient of :func:`harmonic_function`."""
-    return gradient_directions(mesh, harmonic_function(mesh, low, high))
 
 
 def gradient_directions(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
