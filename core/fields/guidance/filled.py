@@ -6,7 +6,7 @@ extend them. The surface is the last argument: the others are bound by ``functoo
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,76 +24,60 @@ from .potentials import harmonic_function
 from .solid_distance import solid_distance
 from .solids import axis_directions, check_vectors, curve_vectors, gradient_vectors, vector_directions
 
+if TYPE_CHECKING:
+    from ...files.solid_vectors import SolidVectors
+    from ..filled_surface import FilledSurface
+
 # Points this near to a surface, as a share of their extent, lie on it.
 ON_SURFACE = 1e-6
 # Tetrahedra around a point, by their centres, among which the one that contains it best is chosen; points at once.
 _NEAR, _BATCH = 24, 20_000
 
 
-class Filled(Protocol):
-    """What guides need of a :class:`core.fields.filled_surface.FilledSurface`, which describes it."""
-
-    @property
-    def solid(self) -> TetMesh: ...
-    def vertices_on(self, area: Area) -> np.ndarray: ...
-    def on_boundary(self, values: np.ndarray) -> np.ndarray: ...
-
-
-class SolidVectors(Protocol):
-    """What guides need of a :class:`core.files.solid_vectors.SolidVectors`, which describes it."""
-
-    @property
-    def mesh(self) -> TetMesh: ...
-    @property
-    def values(self) -> np.ndarray: ...
-    @property
-    def at_vertices(self) -> bool: ...
-
-
-def along_axis(axis: ArrayLike, filled: Filled) -> np.ndarray:
+def along_axis(axis: ArrayLike, filled: "FilledSurface") -> np.ndarray:
     """The same direction everywhere, (3,)."""
     return axis_directions(filled.solid, axis)
 
 
-def between_areas(low: Area, high: Area, filled: Filled) -> np.ndarray:
+def between_areas(low: Area, high: Area, filled: "FilledSurface") -> np.ndarray:
     """From one area of the surface to another, along a harmonic function."""
     function = harmonic_function(filled.solid, filled.vertices_on(low), filled.vertices_on(high))
     return gradient_vectors(filled.solid, function)
 
 
-def away_from_area(area: Area, filled: Filled) -> np.ndarray:
+def away_from_area(area: Area, filled: "FilledSurface") -> np.ndarray:
     """Away from an area of the surface, on the shortest way inside the solid."""
     return gradient_vectors(filled.solid, solid_distance(filled.solid, filled.vertices_on(area)))
 
 
-def away_from_surface(base: TriangleMesh, filled: Filled) -> np.ndarray:
+def away_from_surface(base: TriangleMesh, filled: "FilledSurface") -> np.ndarray:
     """Away from another surface, on a straight way."""
     return check_vectors(filled.solid, away_from(base, filled.solid.vertices))
 
 
-def along_curves(curves: Sequence[ArrayLike], filled: Filled) -> np.ndarray:
+def along_curves(curves: Sequence[ArrayLike], filled: "FilledSurface") -> np.ndarray:
     """Along curves, (k, 3) polylines, so that layers cross them."""
     return curve_vectors(filled.solid, curves)
 
 
-def around_curves(curves: Sequence[ArrayLike], filled: Filled) -> np.ndarray:
+def around_curves(curves: Sequence[ArrayLike], filled: "FilledSurface") -> np.ndarray:
     """Away from curves, (k, 3) polylines, so that layers lie around them like skins."""
     return curve_vectors(filled.solid, curves, across=True)
 
 
-def of_vectors(vectors: np.ndarray, filled: Filled) -> np.ndarray:
+def of_vectors(vectors: np.ndarray, filled: "FilledSurface") -> np.ndarray:
     """(k, 3) vectors at the surface's vertices, extended into the solid."""
     return vector_directions(filled.solid, filled.on_boundary(vectors))
 
 
-def of_given_vectors(given: SolidVectors, stretch: np.ndarray, filled: Filled) -> np.ndarray:
+def of_given_vectors(given: "SolidVectors", stretch: np.ndarray, filled: "FilledSurface") -> np.ndarray:
     """Vectors of a file, mapped to the solid's space by a (3, 3) matrix."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
     values = given.values if given.at_vertices else given.mesh.at_vertices(given.values)
     return check_vectors(filled.solid, vectors_at(mesh, values @ stretch.T, filled.solid.vertices))
 
 
-def of_given_lines(given: SolidVectors, stretch: np.ndarray, filled: Filled) -> np.ndarray:
+def of_given_lines(given: "SolidVectors", stretch: np.ndarray, filled: "FilledSurface") -> np.ndarray:
     """The same for vectors without a sign, such as principal stresses."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
     values = line_matrices(given.values @ stretch.T)
