@@ -31,7 +31,7 @@ def read_guide(given, path):
     """Read a field file for the triangles of a :class:`MeshInput`: its symmetry, and a function that makes the Guide on
     the vertices.
 
-    Raises MeshError or SettingError for faces that are no triangles, and files that cannot be read.
+    Raises MeshError or SettingError for faces other than triangles, and files that cannot be read.
     """
     check_triangles(given.polygons)
     field = read_field(bpy.path.abspath(check_path(path)))
@@ -64,7 +64,7 @@ def export_directions(obj, path, symmetry):
     """Write the object's ``synch_direction`` as a .rawfield or .rosy file; the symmetry says what they are: "vector",
     "line" or "cross".
 
-    Raises MeshError or SettingError for faces that are no triangles, an object without directions, and files that
+    Raises MeshError or SettingError for faces other than triangles, an object without directions, and files that
     cannot be written.
     """
     path, number = bpy.path.abspath(check_path(path)), SYMMETRY_ORDERS[symmetry]

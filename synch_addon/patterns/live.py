@@ -125,7 +125,7 @@ class _Live:
         self._mesh, self._followers = None, (Follower(), Follower())
 
     def step(self, context):
-        """Do what can be done now: hear of the solve, write its result, begin the next one."""
+        """Write the result of the solve if it has ended, and begin the next one."""
         if self._work is not None:
             queue.advance()
             if not self._work.is_over:
