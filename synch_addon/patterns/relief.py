@@ -110,37 +110,23 @@ def _raise_mesh(canvas, inputs, height):
     """
     capture = canvas.node("GeometryNodeCaptureAttribute", 1, "smooth normals", domain="POINT")
     capture.capture_items.new("VECTOR", "Normal")
-    normal = Expression(canvas, canvas.node("GeometryNodeInputNormal", 0).outputs["Normal"], 0)
+    normal = canvas.value("GeometryNodeInputNormal", "Normal")
     canvas.connect(inputs["Geometry"], capture.inputs["Geometry"])
     canvas.connect(normal, capture.inputs["Normal"])
     captured = Expression(canvas, capture.outputs["Geometry"], 1)
-    meshes = []
-    for depth, name in ((2, "GeometryNodeSubdivideMesh"), (3, "GeometryNodeSubdivisionSurface")):
-        node = canvas.node(name, depth, inputs={"Mesh": captured, "Level": inputs["Level"]})
-        meshes.append(Expression(canvas, node.outputs["Mesh"], depth))
-    normals = [Expression(canvas, capture.outputs["Normal"], 1), normal]
-    mesh, normal = (
-        Expression(
-            canvas,
-            canvas.node(
-                "GeometryNodeSwitch",
-                4,
-                "smooth?",
-                inputs={"Switch": inputs["Smooth"], "False": flat, "True": smooth},
-                input_type=input_type,
-            ).outputs["Output"],
-            4,
-        )
-        for input_type, (flat, smooth) in (("GEOMETRY", meshes), ("VECTOR", normals))
-    )
-    unit = canvas.node("ShaderNodeVectorMath", 5, "unit normal", inputs={0: normal}, operation="NORMALIZE")
-    unit = Expression(canvas, unit.outputs["Vector"], 5)
+
+    def chosen(input_type, flat, smooth):
+        values = {"Switch": inputs["Smooth"], "False": flat, "True": smooth}
+        return canvas.value("GeometryNodeSwitch", "Output", "smooth?", values, input_type=input_type)
+
+    values = {"Mesh": captured, "Level": inputs["Level"]}
+    flat = canvas.value("GeometryNodeSubdivideMesh", "Mesh", "", values)
+    smooth = canvas.value("GeometryNodeSubdivisionSurface", "Mesh", "", values)
+    mesh = chosen("GEOMETRY", flat, smooth)
+    unit = canvas.vector("NORMALIZE", chosen("VECTOR", Expression(canvas, capture.outputs["Normal"], 1), normal))
     length = (height * inputs["Height"]).named("way")
-    depth = max(length.depth, unit.depth) + 1
-    offset = canvas.node("ShaderNodeVectorMath", depth, "offset", operation="SCALE", inputs={0: unit, "Scale": length})
-    offset = Expression(canvas, offset.outputs["Vector"], depth)
-    moved = canvas.node("GeometryNodeSetPosition", depth + 1, inputs={"Geometry": mesh, "Offset": offset})
-    return Expression(canvas, moved.outputs["Geometry"], depth + 1)
+    offset = canvas.vector("SCALE", unit.named("unit normal"), Scale=length).named("offset")
+    return canvas.value("GeometryNodeSetPosition", "Geometry", "", {"Geometry": mesh, "Offset": offset})
 
 
 def add_relief(obj, height, width, profile, level, smooth):
