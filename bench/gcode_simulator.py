@@ -142,14 +142,8 @@ def sampled(moves, chosen, pivot_z, size):
 
 
 def deviations(samples, polylines, size):
-    """(s,) distances of tips to the ways that they should go.
-
-    Parameters
-    ----------
-    samples : Samples of moves that extrude
-    polylines : list of (k, 3) in the machine's millimetres on the part
-    size : between the places of the ways that are looked for first
-    """
+    """(s,) distances of the tips of extruding samples to the ways that they should go, (k, 3) polylines in the
+    machine's millimetres on the part; ``size`` is the distance of the places of the ways that are looked for first."""
     begins = np.concatenate([line[:-1] for line in polylines])
     ends = np.concatenate([line[1:] for line in polylines])
     of, shares = _parts(np.maximum(np.ceil(np.linalg.norm(ends - begins, axis=1) / size).astype(int), 1))

@@ -21,7 +21,7 @@ def read_obj(path):
 
 
 def read_carrier(path):
-    """The surface of unit area nearest to what a file holds, where that is none itself."""
+    """The surface of a file, repaired where it has to be, scaled to unit area."""
     mesh = _fans_of(path)
     try:
         check_mesh(mesh)

@@ -102,12 +102,7 @@ class _Relaxation:
 
 
 def staircase(piece, seed, seconds, preconditioned=False):
-    """Climb from a random point until nothing is left to gain or so many ``seconds`` are over.
-
-    Returns
-    -------
-    PaperRun
-    """
+    """Climb from a random point until nothing is left to gain or so many ``seconds`` are over; returns a PaperRun."""
     relaxation = _Relaxation(piece, seconds)
     coordinates = piece.block * FIRST_RANK * (2 if piece.is_complex else 1)
     point = _unit(np.random.default_rng(seed).standard_normal((coordinates, piece.node_count)))

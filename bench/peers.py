@@ -90,16 +90,11 @@ class Inverse:
 
 
 def diffuse(piece, columns, times, steps, tolerance):
-    """MBO: solve (M + tau L) x' = M x for the nodes that are not fixed and normalize, over and over (Viertel and
-    Osting 2019).
+    """MBO: solve (M + tau L) x' = M x for the nodes that are not fixed and normalize, over and over (Viertel and Osting
+    2019).
 
-    Parameters
-    ----------
-    piece : Piece
-    columns : (N, k) fields
-    times : tau, one factorization each
-    steps : most steps at each time
-    tolerance : largest move of a unit vector below which a time is finished early
+    ``columns`` are (N, k) fields, ``times`` the values of tau, one factorization each, ``steps`` the most at each time;
+    one is finished early where no unit vector moves by more than the tolerance.
     """
     free, pull = _free(piece)
     matrix = piece.matrix if piece.ground is None else piece.matrix[free][:, free]
@@ -136,17 +131,11 @@ def normalize(piece, columns):
 
 
 def polish(piece, columns, steps, tolerance):
-    """Descend in the angles of all nodes, every column for itself; returns (N, k) fields.
+    """Descend in the angles of all nodes, every column of (N, k) fields for itself; returns the fields.
 
-    L-BFGS (Nocedal and Wright, Algorithm 7.4) whose first guess of the inverse Hessian is that of
-    L + shift M seen along the unit circles; full step first, halved where it fails.
-
-    Parameters
-    ----------
-    piece : Piece
-    columns : (N, k) fields
-    steps : most steps
-    tolerance : predicted relative decrease at which a column is finished
+    L-BFGS (Nocedal and Wright, Algorithm 7.4) whose first guess of the inverse Hessian is that of L + shift M seen
+    along the unit circles; full step first, halved where it fails. A column is finished where the predicted relative
+    decrease is below the tolerance, or after so many steps.
     """
     angles = _angles(piece, columns)
     rows, energy, gradient = _evaluate(piece, angles)

@@ -10,13 +10,10 @@ POLE = 1e-6
 
 
 def turned(profile, size, closed=False):
-    """The :class:`TriangleMesh` of a profile that is turned about the z axis.
+    """The :class:`TriangleMesh`, with triangles of a size, of a profile that is turned about the z axis.
 
-    Parameters
-    ----------
-    profile : (k, 2) radius and height along a fine line, with the outside to the right of its way
-    size : side of the triangles
-    closed : whether the profile's end leads back to its beginning
+    The profile, (k, 2) radius and height along a fine line, has the outside to the right of its way; where it is
+    closed, its end leads back to its beginning.
     """
     radii, heights = _even(np.vstack([profile, profile[:1]]) if closed else np.asarray(profile), size * np.sqrt(0.75)).T
     if closed:

@@ -133,13 +133,8 @@ def compose(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def circle_transports(angles: ArrayLike, flips: ArrayLike | None = None) -> np.ndarray:
-    """Transports on the circle: complex where nothing flips, otherwise 2 x 2 matrices.
-
-    Parameters
-    ----------
-    angles : (e,) radians
-    flips : (e,) bool, conjugate before turning; optional
-    """
+    """Transports on the circle for (e,) angles in radians: complex where no edge flips, otherwise 2 x 2 matrices, which
+    conjugate on edges with (e,) bool flips before they turn."""
     angles = np.asarray(angles, float)
     if flips is None or not np.any(flips):
         return np.exp(1j * angles)

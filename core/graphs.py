@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Connected components of a graph, ranges of different lengths, and pairs of nearby points."""
+"""Connected components of a graph, sums by label, ranges of different lengths, and pairs of nearby points."""
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +17,27 @@ def components(count: int, pairs: ArrayLike) -> np.ndarray:
     """
     pairs = np.asarray(pairs, int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    labels: np.ndarray = connected_components(graph, directed=False)[1]
-    return labels
+    return connected_components(graph, directed=False)[1]
+
+
+def take_loops(following: dict[int, int]) -> Iterator[list[int]]:
+    """Take the loops out of a table of the node that follows each node, which is empty in the end."""
+    while following:
+        first, node = following.popitem()
+        loop = [first]
+        while node != first:
+            loop.append(node)
+            node = following.pop(node)
+        yield loop
+
+
+def sum_by(labels: np.ndarray, values: np.ndarray, count: int = 0) -> np.ndarray:
+    """Sum (k,) real or complex values, or (k, d) real ones, of each label; at least ``count`` sums."""
+    if np.iscomplexobj(values):
+        return np.bincount(labels, values.real, count) + 1j * np.bincount(labels, values.imag, count)
+    if values.ndim == 1:
+        return np.bincount(labels, values, count)
+    return np.column_stack([np.bincount(labels, column, count) for column in values.T])
 
 
 def ragged_arange(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -26,13 +47,8 @@ def ragged_arange(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def pairs_within(tree: cKDTree, points: np.ndarray, reach: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the points of a tree within reach of (n, d) points; ``reach`` is one length or (n,) lengths.
-
-    Returns
-    -------
-    rows : (k,) int, ascending, the given point of each pair
-    places : (k,) int, the point of the tree, ascending for each given point
-    """
+    """Find the points of a tree within reach, one length or (n,), of (n, d) points: (k,) the given point and (k,) the
+    point of the tree of each pair, ascending."""
     found = tree.query_ball_point(points, reach, return_sorted=True)
     rows, _ = ragged_arange(np.array([len(near) for near in found], int))
     return rows, np.concatenate([np.empty(0, int), *found]).astype(int)

@@ -17,15 +17,10 @@ from .geometry.triangle_mesh import TriangleMesh
 def matchings(
     mesh: TriangleMesh, angles: np.ndarray, symmetry: int, correction: np.ndarray | None = None
 ) -> np.ndarray:
-    """Compute the matching of each edge: the lower vertex's direction nearest to direction 0 of the higher.
+    """Compute the matching of each edge, (e,) int below the symmetry: the lower vertex's direction nearest to direction
+    0 of the higher, for (n,) angles of directions 0 in the vertices' tangent planes, radians.
 
-    Returns (e,) int from 0 to symmetry - 1.
-
-    Parameters
-    ----------
-    angles : (n,) radians in the vertices' tangent planes, direction 0
-    symmetry : 1, 2 or 4 directions at a vertex
-    correction : (e,) radians that the connection in use adds to the surface's own, for the powers of directions
+    The connection in use adds an (e,) correction, radians, to the surface's own for the powers of directions.
     """
     i, j = mesh.edges.T
     turn = 2 * np.pi / symmetry
@@ -36,13 +31,8 @@ def matchings(
 
 
 def after_turns(phases: np.ndarray, turns: ArrayLike) -> np.ndarray:
-    """Apply A^turns (Eq. 7) to (..., k) phases, which gives those of the directions ``turns`` further on.
-
-    Parameters
-    ----------
-    phases : (..., k) radians, or growth rates
-    turns : (...,) int
-    """
+    """Apply A^turns (Eq. 7) to (..., k) phases in radians, or growth rates, which gives those of the directions (...,)
+    int ``turns`` further on."""
     count, steps = phases.shape[-1], np.asarray(turns, int)[..., None]
     taken = phases if count == 1 else np.where(steps & 1, phases[..., ::-1], phases)
     # Directions from k to 2 k - 1 are reverse; k is 1 or 2, so that this is one bit of their number.

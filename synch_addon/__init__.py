@@ -13,8 +13,7 @@ from .blender import changes, left_defects, translations, undo_steps
 from .blender.registration import Registration
 from .command import main
 from .flows import properties as flow_properties
-from .jobs import lru_cache as shelf
-from .jobs import queue
+from .jobs import lru_cache, queue
 from .panels import simple
 from .patterns import live
 from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, strokes
@@ -31,7 +30,7 @@ _MODULES = (
     painting,
     strokes,
     simple,
-    shelf,
+    lru_cache,
     changes,
     left_defects,
     undo_steps,

@@ -100,8 +100,7 @@ def _answer(child: _Child, task: Task) -> Answer | None:
         unpacker = Unpacker(after_noise=True)
         while data := os.read(child.stdout.fileno(), CHUNK):
             for answer in unpacker.feed(data):
-                found: Answer = answer
-                return found
+                return answer
     return None
 
 

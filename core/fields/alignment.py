@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..graphs import sum_by
 from .directions import DirectionField
 from .guidance.curvature import principal_directions
 
@@ -20,6 +21,6 @@ def along_curvature(field: DirectionField) -> DirectionField:
         is_free[mesh.pieces[nodes]] = False
     values, weights = principal_directions(mesh, field.symmetry)
     wanted = weights * values * np.exp(-1j * field.symmetry * field.angles)
-    totals = np.bincount(mesh.pieces, wanted.real) + 1j * np.bincount(mesh.pieces, wanted.imag)
+    totals = sum_by(mesh.pieces, wanted)
     turns = np.where(is_free, np.angle(totals), 0.0) / field.symmetry
     return field.turned(turns[mesh.pieces])

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import SettingError
 from ..geometry.triangle_mesh import TriangleMesh
+from ..graphs import sum_by
 from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, join_targets
 from ..solution import DESCENT
@@ -34,17 +35,13 @@ def carry_angles(angles: np.ndarray, mesh: TriangleMesh, moved: TriangleMesh) ->
     if not is_moved(mesh, moved):
         raise SettingError("a field is carried between meshes of different triangles: solve it afresh")
     before, after = (m.edge_lengths[:, None] * np.exp(1j * m.edge_directions) for m in (mesh, moved))
-    turns = (after * before.conj()).ravel()
-    ends = mesh.edges.ravel()
-    sums = np.bincount(ends, turns.real, len(angles)) + 1j * np.bincount(ends, turns.imag, len(angles))
-    return angles + np.angle(sums)
+    return angles + np.angle(sum_by(mesh.edges.ravel(), (after * before.conj()).ravel(), len(angles)))
 
 
 def nearest_representatives(angles: np.ndarray, wanted: np.ndarray, symmetry: int) -> np.ndarray:
     """(n,) the representatives of directions at each vertex that are nearest to the wanted angles, radians."""
     turn = 2 * np.pi / symmetry
-    nearest: np.ndarray = angles + turn * np.rint((wanted - angles) / turn)
-    return nearest
+    return angles + turn * np.rint((wanted - angles) / turn)
 
 
 def next_solution(

@@ -66,8 +66,7 @@ def filament_integrals(grid: Grid, curves: Sequence[tuple[ArrayLike, float]], co
         places = start.copy()
         places[rows, axes] += share * lengths
         total += weight * filament_velocity(places, curves, core)[rows, axes]
-    integrals: np.ndarray = total * lengths
-    return integrals
+    return total * lengths
 
 
 def surrounding_grid(low: np.ndarray, high: np.ndarray, resolution: int) -> Grid:

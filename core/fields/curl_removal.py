@@ -112,14 +112,9 @@ def remove_holonomy(
     known: np.ndarray | None = None,
     rough: bool = False,
 ) -> CurlRemoval:
-    """The correction of changes with given sums.
+    """The correction of changes with (c,) weights that takes (s,) sums out; an approximate one where ``rough``.
 
-    Parameters
-    ----------
-    holonomy : (s,) sums of the changes
-    weights : (c,) of the changes
-    known : (c,) changes known from constraints less the target changes, nan where unknown; optional
-    rough : whether an approximate one will do
+    ``known`` are (c,) changes known from constraints less the target changes, nan where unknown.
     """
     inverse_weights, correction = _inverse_weights(weights, known), np.zeros(len(weights))
     if known is not None:
@@ -147,15 +142,13 @@ def varying_part(
     order = _cuthill_mckee_order(smoothing)
     smooth = np.empty_like(holonomy)
     smooth[order] = factorize(smoothing[order][:, order], single=False).solve(holonomy[order])
-    part: np.ndarray = holonomy - circulation.areas * smooth
-    return part
+    return holonomy - circulation.areas * smooth
 
 
 def _cuthill_mckee_order(matrix: csr_matrix) -> np.ndarray:
     """(s,) order of the rows in which neighbours are near one another. SuperLU finds its own order from this one much
     faster than from the order of faces in some files."""
-    order: np.ndarray = reverse_cuthill_mckee(matrix, symmetric_mode=True)
-    return order
+    return reverse_cuthill_mckee(matrix, symmetric_mode=True)
 
 
 def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
@@ -269,8 +262,7 @@ def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.n
 
     def nearest(wanted: np.ndarray) -> np.ndarray:
         value = potential(mesh, wanted, names)
-        differences: np.ndarray = value[j] - value[i]
-        return differences
+        return value[j] - value[i]
 
     closed: np.ndarray = offsets + nearest(changes - offsets)
     boundary, _ = mesh.boundary_surface
@@ -279,17 +271,18 @@ def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.n
     handles = handle_changes(mesh, is_known)
     handles = handles - np.column_stack([nearest(column) for column in handles.T] or [handles])
     weighted = mesh.weights[:, None] * handles
-    closed = closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
-    return closed
+    return closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
 
 
 def known_turns(connection: Connection, fixed: Targets, merged: Merged) -> np.ndarray:
     """(c,) turns along the edges known from constraints, less those of the connection; nan where unknown.
 
-    Radians in [-pi, pi), after a flip. The connection is on the circle, and ``fixed`` has no weights.
+    The value of a merged node is that of its root, turned and perhaps flipped by its transport; those of fixed nodes
+    are given. So the turn along an edge is known where both ends have the same root, or are fixed. Radians in
+    [-pi, pi), after a flip. The connection is on the circle, and ``fixed`` has no weights.
     """
     count = connection.node_count
-    # The group of fixed nodes is numbered like a node beyond the last.
+    # The root of each node and its turn and flip from there; all fixed nodes have one beyond the last node.
     group = np.full(count, -1)
     turns, flips = np.zeros(count), np.zeros(count, bool)
     group[merged.roots] = merged.roots

@@ -69,7 +69,6 @@ class DirectionField:
 
     Attributes
     ----------
-    mesh : TriangleMesh
     symmetry : 1, 2 or 4
     angles : (n,) one representative, radians in the vertices' tangent planes
     solution : None for directions that were given
@@ -92,8 +91,7 @@ class DirectionField:
     def vectors(self) -> np.ndarray:
         """(n, 3) unit representatives in space."""
         x, y = self.mesh.tangent_frames
-        vectors: np.ndarray = np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
-        return vectors
+        return np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
 
     def turned(self, angle: float | np.ndarray) -> Self:
         """The field with every direction turned counterclockwise by an angle in radians."""
@@ -110,12 +108,8 @@ class DirectionField:
 
         The Levi-Civita connections of conformal metrics differ by the change, across the edges, of the factor's
         logarithm: these changes are the multipliers that remove the curvature, over the symmetry. Sizes vary
-        ``LARGEST_RATIO``-fold at most; each piece keeps its number of quads.
-
-        Parameters
-        ----------
-        share : from 0 to 1
-        known : (e,) turns of the powers known from constraints (see :func:`known_turns`), optional
+        ``LARGEST_RATIO``-fold at most; each piece keeps its number of quads. ``known`` are (e,) turns of the powers
+        known from constraints (see :func:`known_turns`).
         """
         mesh = self.mesh
         if share == 0:

@@ -43,8 +43,7 @@ class Evenness:
         """(f,) spacing over the target less 1, of the phase that is further off; 0 where that is not known."""
         logarithms = np.nan_to_num(np.log(self.spacings))
         furthest = np.abs(logarithms).argmax(axis=1)
-        errors: np.ndarray = np.expm1(np.take_along_axis(logarithms, furthest[:, None], axis=1)[:, 0])
-        return errors
+        return np.expm1(np.take_along_axis(logarithms, furthest[:, None], axis=1)[:, 0])
 
     @property
     def figures(self) -> dict[str, Any] | None:
@@ -99,5 +98,4 @@ def quantiles(values: np.ndarray, weights: np.ndarray, shares: ArrayLike) -> np.
     """The smallest values up to which the values have given shares of the weight."""
     order = np.argsort(values)
     reached = np.cumsum(weights[order])
-    found: np.ndarray = values[order[np.searchsorted(reached, np.multiply(shares, reached[-1]))]]
-    return found
+    return values[order[np.searchsorted(reached, np.multiply(shares, reached[-1]))]]

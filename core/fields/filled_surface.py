@@ -89,8 +89,7 @@ class FilledSurface:
         """(n,) values in the whole solid, extended smoothly from the surface's and clipped to their extremes."""
         known = self.solid.boundary_vertices
         spread = extend_harmonically(self.solid, known, self.on_boundary(values)[known])
-        clipped: np.ndarray = np.clip(np.nan_to_num(spread, nan=values.mean()), values.min(), values.max())
-        return clipped
+        return np.clip(np.nan_to_num(spread, nan=values.mean()), values.min(), values.max())
 
     @cached_property
     def _places(self) -> tuple[np.ndarray, np.ndarray]:

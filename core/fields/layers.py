@@ -82,7 +82,6 @@ class SolidTargetOneForm:
 
     Attributes
     ----------
-    mesh : TetMesh
     rates : (n, 3) phase per unit length: 2 pi / spacing, in the direction across the layers
     correction : (e,) added to the changes to remove curl (see :mod:`.curl_removal`), optional
     """
@@ -235,15 +234,9 @@ class LayerPattern:
 
 
 def choose_levels(one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], divisions: int) -> list[LayerGroup]:
-    """Choose the level of each group of given phase among the ``divisions`` layers of a period.
+    """Choose the level of each group of given phase among the ``divisions`` layers of a period of the one-form.
 
     The first group keeps its level; for each other group the level that fits the one-form best is chosen.
-
-    Parameters
-    ----------
-    one_form : of the whole period
-    groups : with phases of a layer
-    divisions : layers in a period
     """
     held = [group for group in groups if group.phase is not None]
     levels = {}
@@ -325,8 +318,7 @@ def pose_layers(
 
 def _places(mesh: TetMesh) -> np.ndarray:
     """Positions of the vertices that have a tetrahedron."""
-    places: np.ndarray = mesh.vertices[np.unique(mesh.tets)]
-    return places
+    return mesh.vertices[np.unique(mesh.tets)]
 
 
 def _check_distances(mesh: TetMesh, spacing: ArrayLike) -> np.ndarray:

@@ -52,16 +52,14 @@ class Limits:
 
     def clipped(self, distances: np.ndarray) -> np.ndarray:
         """Distances clipped to the limits."""
-        clipped: np.ndarray = np.clip(distances, self.smallest, self.largest)
-        return clipped
+        return np.clip(distances, self.smallest, self.largest)
 
     def inside(self, distances: np.ndarray) -> np.ndarray:
         """Target distances: clipped to a little less than the limits."""
         low, high = self.smallest * _MARGIN, self.largest / _MARGIN
         if low > high:
             low = high = math.sqrt(self.smallest * self.largest)
-        clipped: np.ndarray = np.clip(distances, low, high)
-        return clipped
+        return np.clip(distances, low, high)
 
     def outside_share(self, pattern: LayerPattern) -> float:
         """Share of a pattern's volume where layers end, or their distance is outside of the limits."""

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
@@ -31,21 +31,15 @@ from .mirror import Mirror, Reflection
 from .patterns import Pattern
 from .target_one_form import TargetOneForm
 
+if TYPE_CHECKING:
+    from ..extract.quads.trace.quad_mesh import QuadMesh
+
 # A condition counts as new where at least this share of it is independent of the conditions before it.
 INDEPENDENT = 1e-2
 # A projection smaller than this share of its row is a rounding error: constraints fix all changes across the walk.
 FREE = 1e-6
 # The largest difference between sums along the mesh's edges and the quads that the walk passes, in quads.
 SAME_WALK = 0.4
-
-
-class _Placed(Protocol):
-    """Vertices on a mesh: (n,) triangles, and (n, 3) barycentric coordinates in them."""
-
-    @property
-    def triangles(self) -> np.ndarray: ...
-    @property
-    def weights(self) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -71,8 +65,7 @@ def cosines(conditions: Sequence[Condition]) -> np.ndarray:
     """(k, k) cosines of the angles between the changes of conditions, weighted by 1 / G."""
     gram = _gram(conditions)
     lengths = np.sqrt(gram.diagonal())
-    result: np.ndarray = gram / np.outer(lengths, lengths)
-    return result
+    return gram / np.outer(lengths, lengths)
 
 
 class LoopClosing:
@@ -106,8 +99,7 @@ class LoopClosing:
             return change
         around = np.zeros(self._flow.shape[1])
         around[self._rows] = self._factor.solve(self._circulation @ change)
-        change = change - self._flow @ around
-        return change
+        return change - self._flow @ around
 
     def condition(self, walk: np.ndarray, reached: np.ndarray, steps: int, aside: int) -> Condition | None:
         """The condition that a walk closes; None where it passes other quads on the mesh's edges, and where constraints
@@ -249,7 +241,7 @@ class MeshWalks:
         graph = csr_matrix((lengths, (i, j)), shape=(count, count))
         return graph + graph.T
 
-    def near(self, quads: _Placed, walk: np.ndarray) -> np.ndarray:
+    def near(self, quads: "QuadMesh", walk: np.ndarray) -> np.ndarray:
         """(v,) vertices of the mesh along a closed walk over vertices of a quad mesh that lies on it."""
         corners = self._mesh.triangles[quads.triangles[walk]]
         nearest = corners[np.arange(len(walk)), quads.weights[walk].argmax(axis=1)]

@@ -56,8 +56,7 @@ class Reflection:
         first, second = self._pairs()
         images = np.rint((self.turns - one_form.angles[first] - one_form.angles[second]) / one_form.turn).astype(int)
         # They count in the opposite sense.
-        directions: np.ndarray = (images[:, None] - np.arange(one_form.phase_count)) % (2 * one_form.phase_count)
-        return directions
+        return (images[:, None] - np.arange(one_form.phase_count)) % (2 * one_form.phase_count)
 
     def phase_links(self, one_form: OneForm) -> Links:
         """Links between the phases of a one-form, which are exchanged or reversed."""
@@ -163,17 +162,13 @@ def split_links(count: int, parts: Sequence[Links]) -> tuple[Links, Links]:
     between, loops = join_links([]), []
     for links in parts:
         alone = links.i == links.j
-        loops.append(_choose_phases(links, alone & links.flips))
+        loops.append(links.chosen(alone & links.flips))
         labels = components(count, np.column_stack([between.i, between.j]))
         pairs = np.sort(np.column_stack([labels[links.i], labels[links.j]]), axis=1)
         first = np.zeros(len(pairs), bool)
         first[np.unique(pairs, axis=0, return_index=True)[1]] = True
-        between = join_links([between, _choose_phases(links, first & (pairs[:, 0] != pairs[:, 1]))])
+        between = join_links([between, links.chosen(first & (pairs[:, 0] != pairs[:, 1]))])
     return between, join_links(loops)
-
-
-def _choose_phases(links: Links, mask: np.ndarray) -> Links:
-    return Links(*(getattr(links, name)[mask] for name in Links.__dataclass_fields__))
 
 
 def add_self_edges(connection: Connection, loops: Links) -> Connection:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Defects at chosen places, and other configurations of them, from one solve (paper, Eq. 29 and Section 4.6)."""
+"""Line ends at chosen places, and other configurations of defects, from one solve (paper, Section 4.6)."""
 
 from collections.abc import Iterable
 from typing import TypeVar
@@ -11,13 +11,10 @@ from ..errors import SettingError, name_elements, quote_value
 from ..interpolate import dislocation_numbers
 from ..solution import COARSE, Options
 from ..solve import solve
-from ..solve.lifted import LiftedField
 from .directions import SolvedField
 from .local_defects import add_stripe, move_line_ends
 from .patterns import Pattern
 
-# Directions tried for defects at chosen vertices.
-TRIES = 16
 # Energy above the best, as a share of it, up to which a drawn variation counts as near.
 NEAR = 0.05
 _Field = TypeVar("_Field", Pattern, SolvedField)
@@ -47,39 +44,6 @@ def nearest_variation(pattern: _Field, numbers: Iterable[int]) -> int:
         if energy <= (1 + NEAR) * pattern.solution.energy:
             break
     return min(energies, key=energies.__getitem__)
-
-
-def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
-    """The pattern along a direction of the lifted field that has a dislocation at each of some vertices.
-
-    Of the directions orthogonal to the lifted values there, the one along which the field is longest is tried first,
-    then random ones, until a face at every vertex has a dislocation; of the two phases of quads the better one gets it.
-
-    Raises :class:`SettingError` for numbers that are not vertices, more vertices than the lifted field allows, or where
-    no direction has defects at all of them.
-    """
-    field = LiftedField(pattern.problem, pattern.solution)
-    count = pattern.one_form.phase_count
-    vertices = check_vertices(vertices, pattern.mesh.vertex_count)
-    if len(vertices) > field.most_defects:
-        raise SettingError(
-            f"{len(vertices)} defects are too many: the solved field leaves room for {field.most_defects} at a time"
-        )
-    best, least = None, np.inf
-    for phase in range(count):
-        nodes = count * vertices + phase
-        for attempt in range(TRIES):
-            direction = field.direction(nodes) if attempt == 0 else field.random_direction(attempt, nodes)
-            shown = pattern.with_phases(field.phases(direction))
-            if _has_defects(shown, vertices):
-                if shown.energy is not None and shown.energy < least:
-                    best, least = shown, shown.energy
-                break
-    if best is None:
-        raise SettingError(
-            f"no field near the solution has a defect at {name_elements('vertex', vertices)}: choose others nearby"
-        )
-    return best
 
 
 def with_line_ends(pattern: Pattern, vertices: ArrayLike) -> Pattern:

@@ -29,7 +29,6 @@ class TargetOneForm:
 
     Attributes
     ----------
-    mesh : TriangleMesh
     angles : (n,) radians, direction in which the first phase grows; the next ones follow at pi / k
     rates : (n, k) phase per unit length
     matchings : (e,) see :mod:`core.matchings`
@@ -84,8 +83,7 @@ class TargetOneForm:
     @property
     def asked_rates(self) -> np.ndarray:
         """(n, k) phase per unit length by the spacing alone."""
-        rates: np.ndarray = self.rates * np.reshape(self.scale, (-1, 1))
-        return rates
+        return self.rates * np.reshape(self.scale, (-1, 1))
 
     @property
     def phase_count(self) -> int:
@@ -120,8 +118,7 @@ class TargetOneForm:
         at_tail = self.rates[i] * np.cos(self.angles[i, None] + numbers - directions[:, :1])
         at_head = -self.rates[j] * np.cos(self.angles[j, None] + numbers - directions[:, 1:])
         lengths = self.mesh.edge_lengths * np.abs(self.stretch)
-        changes: np.ndarray = 0.5 * lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
-        return changes
+        return 0.5 * lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
 
     @cached_property
     def connection(self) -> Connection:
@@ -143,8 +140,7 @@ class TargetOneForm:
     def _flips(self) -> np.ndarray:
         """(k e,) whether the connection's edges conjugate."""
         count = self.phase_count
-        flips: np.ndarray = ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
-        return flips
+        return ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
 
     def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "TargetOneForm":
         """The one-form without a share of the curl of its changes, around triangles that keep their sheet.

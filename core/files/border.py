@@ -27,7 +27,7 @@ UNREADABLE = (
     *(ValueError, TypeError, AttributeError, LookupError, ArithmeticError, StopIteration, EOFError),
     *(RuntimeError, SyntaxError, TokenError, BadZipFile, zlib.error, struct.error),
 )
-# Characters of a text whose numbers are made at once: each number is for a moment a Python object of about 60 bytes.
+# Characters of a text whose numbers are made at once: each number is first a Python object of about 60 bytes.
 _AT_ONCE = 1 << 20
 # Bytes of memory for each byte of a text file while it is read: the file, its text, its parts, and the numbers; and for
 # each byte of a file of settings, whose words become Python objects.

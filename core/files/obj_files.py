@@ -52,6 +52,7 @@ def write_obj(file: TextIO, mesh: ObjMesh) -> None:
     """Write a mesh to an open text file."""
     file.write(f"# Synch Fields\no {re.sub(r'[^!-~]+', '_', mesh.name) or 'mesh'}\n")
     _write_rows(file, "v", mesh.vertices, number_format(mesh.vertices))
+    # Equal normals and places are written once; to add 0 makes -0 and 0 equal.
     normals, normal_of = np.unique(np.round(mesh.normals, 6) + 0.0, axis=0, return_inverse=True)
     _write_rows(file, "vn", normals, "%.6g")
     columns = [mesh.corners + 1, normal_of.reshape(-1) + 1]

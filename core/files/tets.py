@@ -108,11 +108,12 @@ def medit_sections(path: Path, content: bytes) -> dict[str, str]:
 
 
 def _read_medit(path: Path, content: bytes) -> _Read:
+    """What a MEDIT file holds, whose vertices count from 1, with the references of its triangles as "ref"."""
     sections = medit_sections(path, content)
     if not sections.get("Vertices", "").strip():
         raise SettingError(f"{path} is not a MEDIT file: it lacks Vertices, export it again")
     for name in MEDIT_SOLIDS:
-        if len(sections.get(name, "").split(None, 2)) > 1:
+        if len(sections.get(name, "").split(None, 2)) > 1:  # more than a count of 0
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
     vertices = medit_rows("Vertices", sections["Vertices"], 3)[:, :3]
     try:

@@ -131,8 +131,7 @@ def _first_rows(rows: np.ndarray, count: int) -> np.ndarray:
     """Find where each row of three numbers below ``count`` comes first."""
     if count >= 2**21:
         return np.unique(rows, axis=0, return_index=True)[1]
-    first: np.ndarray = np.unique((rows[:, 0] * count + rows[:, 1]) * count + rows[:, 2], return_index=True)[1]
-    return first
+    return np.unique((rows[:, 0] * count + rows[:, 1]) * count + rows[:, 2], return_index=True)[1]
 
 
 def _refuse_edges(mesh: TriangleMesh, faces: np.ndarray) -> None:

@@ -11,14 +11,10 @@ from .vertex_splitting import corner_links
 def cut_open(mesh: TriangleMesh, edges: np.ndarray) -> tuple[TriangleMesh, np.ndarray]:
     """Cut a manifold mesh along (k,) edges.
 
-    Returns
-    -------
-    cut : mesh of the same triangles, in which every old vertex keeps its number on one side
-    source : (n,) vertex of ``mesh`` that each vertex of ``cut`` was
+    Returns a mesh of the same triangles, in which every old vertex keeps its number on one side, and (n,) the vertex of
+    the uncut mesh that each of its vertices was.
     """
-    is_cut = np.zeros(len(mesh.edges), bool)
-    is_cut[edges] = True
-    halves = np.flatnonzero((mesh.twins >= 0) & ~is_cut[mesh.triangle_edges.ravel()])
+    halves = mesh.halves_off(edges)
     return cut_all_but(mesh, halves, mesh.twins[halves])
 
 

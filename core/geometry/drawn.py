@@ -28,16 +28,11 @@ def smooth_polyline(points: np.ndarray, times: int, shares: ArrayLike = 1.0) -> 
 
 
 def simplify_polyline(points: np.ndarray, tolerance: float, longest: float) -> np.ndarray:
-    """Select (k,) points of a polyline, ascending and with both ends, so that the others lie near the segments between.
+    """Select (k,) points of a polyline, (p, 3) with p > 1, ascending and with both ends, so that the others lie within
+    the tolerance of the segments between.
 
-    Points are added where the line is farthest off (Ramer 1972; Douglas and Peucker 1973), and where segments would be
-    too long.
-
-    Parameters
-    ----------
-    points : (p, 3), p > 1
-    tolerance : largest distance of a point that is left out
-    longest : largest length of a segment, along the polyline, that has points between its ends
+    Points are added where the line is farthest off (Ramer 1972; Douglas and Peucker 1973), and where a segment would
+    replace more than the longest piece of the polyline.
     """
     along = ways_along(points)
     kept, open_pieces = {0, len(points) - 1}, [(0, len(points) - 1)]

@@ -86,13 +86,7 @@ class Grid:
 
     def _cells(self, axes: Sequence[int]) -> np.ndarray:
         """List the first nodes of the elements that extend along some axes."""
-        return self.numbers[self._inside(axes)].ravel()
-
-    def _inside(self, axes: Sequence[int]) -> tuple[slice, ...]:
-        return tuple(
-            slice(None, -1) if axis in axes and not self.periodic[axis] else slice(None)
-            for axis in range(self.dimension)
-        )
+        return self.numbers[tuple(map(slice, self._element_shape(axes)))].ravel()
 
     def _element_shape(self, axes: Sequence[int]) -> tuple[int, ...]:
         return tuple(count - (axis in axes and not self.periodic[axis]) for axis, count in enumerate(self.shape))

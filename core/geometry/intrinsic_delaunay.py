@@ -28,14 +28,8 @@ MOST_ROUNDS = 1000
 
 
 def edge_weights(cotangents: np.ndarray, edges: np.ndarray, count: int) -> np.ndarray:
-    """Compute (e,) weights (cot a + cot b) / 2, clipped to :data:`WEIGHT_RANGE`.
-
-    Parameters
-    ----------
-    cotangents : (h,) of the angle opposite each half-edge
-    edges : (h,) edge of each half-edge
-    count : number of edges
-    """
+    """Compute (e,) weights (cot a + cot b) / 2, clipped to :data:`WEIGHT_RANGE`, of ``count`` edges, from (h,)
+    cotangents opposite to half-edges and (h,) the edge of each."""
     return np.clip(np.bincount(edges, weights=0.5 * cotangents, minlength=count), *WEIGHT_RANGE)
 
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import MeshError
+from ..unit_vectors import unit_vectors
 from . import TriangleMesh
 from .check import check_mesh, coarse_places
 from .manifold_repair import Finding, find_seam_ends, finite_places, repair_mesh
@@ -129,14 +130,10 @@ class ObjectMesh:
         return places
 
     def surface(self, strict: bool = False, weld: bool = False) -> MeshInput:
-        """The surface, repaired where it has to be.
+        """The surface, repaired where it has to be unless ``strict``, with boundary vertices at the same place joined
+        if asked.
 
         Raises MeshError naming the first element that cannot carry a field.
-
-        Parameters
-        ----------
-        strict : refuse what cannot carry a field as it is, instead of repairing it
-        weld : join boundary vertices at the same place
         """
         count = len(self.places)
         joined = welded_vertices(self.places, self.polygons.triangles) if weld else np.arange(count)
@@ -170,6 +167,4 @@ class ObjectMesh:
 
 def unstretched(vectors: np.ndarray, stretch: np.ndarray) -> np.ndarray:
     """Transform (k, 3) vectors of the measured space to unit vectors in object space; zero stays zero."""
-    turned = vectors @ np.linalg.inv(stretch).T
-    lengths = np.linalg.norm(turned, axis=1, keepdims=True)
-    return np.divide(turned, lengths, out=np.zeros_like(turned), where=lengths > 0)
+    return unit_vectors(vectors @ np.linalg.inv(stretch).T)

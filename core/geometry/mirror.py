@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import AsymmetryError
 from ..graphs import components
+from ..unit_vectors import unit_vectors
 from .polygons import Polygons
 from .triangle_mesh import TriangleMesh
 
@@ -39,16 +40,13 @@ def mirrored_corners(mesh: TriangleMesh, polygons: Polygons, axis: int) -> tuple
 
 def mirror_planes(stretch: np.ndarray, axes: str) -> np.ndarray:
     """Find the (k, 3) unit normals of planes through the origin across axes of an object, in the measured space."""
-    normals: np.ndarray = np.linalg.inv(stretch)[["XYZ".index(axis) for axis in axes]]
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals
+    return unit_vectors(np.linalg.inv(stretch)[["XYZ".index(axis) for axis in axes]])
 
 
 def sides_of_planes(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
     """Find the (n, k) side of each of (k, 3) planes that vertices are on: 1, -1, or 0 on the plane."""
     heights = mesh.vertices @ units.T
-    sides: np.ndarray = np.where(np.abs(heights) <= TOLERANCE * np.median(mesh.edge_lengths), 0, np.sign(heights))
-    return sides
+    return np.where(np.abs(heights) <= TOLERANCE * np.median(mesh.edge_lengths), 0, np.sign(heights))
 
 
 def are_divided_by_edges(mesh: TriangleMesh, units: np.ndarray) -> bool:

@@ -168,8 +168,7 @@ class NearestTriangles:
     @cached_property
     def _sizes(self) -> np.ndarray:
         """(m,) largest distance of a corner from the centre."""
-        sizes: np.ndarray = np.linalg.norm(self._corners - self._centres.data, axis=2).max(axis=0)
-        return sizes
+        return np.linalg.norm(self._corners - self._centres.data, axis=2).max(axis=0)
 
     @cached_property
     def _order(self) -> np.ndarray:

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..graphs import components, ragged_arange
+from ..unit_vectors import unit_vectors
 from .triangle_mesh import TriangleMesh
 from .vertex_splitting import corner_links, next_half_edges
 
@@ -81,11 +82,9 @@ def _list_candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) 
 def _inward_directions(mesh: TriangleMesh, halves: np.ndarray) -> np.ndarray:
     """Compute (k, 3) unit vectors from edges into their triangles, normal to the edge; zero for flat triangles."""
     tails, heads, apexes = (mesh.vertices[mesh.triangles[halves // 3, (halves + k) % 3]] for k in range(3))
-    along = heads - tails
-    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
+    along = unit_vectors(heads - tails)
     away = apexes - tails
-    away -= np.einsum("kx,kx->k", away, along)[:, None] * along
-    return away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), np.finfo(float).tiny)
+    return unit_vectors(away - np.einsum("kx,kx->k", away, along)[:, None] * along)
 
 
 def _match_pairs(edges: np.ndarray, pairs: np.ndarray, costs: np.ndarray) -> np.ndarray:

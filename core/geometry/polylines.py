@@ -14,16 +14,8 @@ MOST_PLACES = 1_000_000
 
 
 def check_length(name: str, length: float, step: float) -> None:
-    """Refuse curves that would have more than ``MOST_PLACES`` places.
-
-    Raises SettingError for curves that are too long, or whose length is not finite.
-
-    Parameters
-    ----------
-    name : of the curves, in errors
-    length : of all curves, scene units
-    step : distance of places, scene units
-    """
+    """Refuse named curves of a length that would have more than ``MOST_PLACES`` places a step apart, or whose length is
+    not finite, by a SettingError."""
     if not math.isfinite(length):
         raise SettingError(f"{name} has points without a finite place: set their coordinates, or delete them")
     if length > MOST_PLACES * step:
@@ -79,13 +71,8 @@ def resample_polyline(points: np.ndarray, step: float) -> np.ndarray:
 
 
 def divide_pieces(begins: np.ndarray, ends: np.ndarray, size: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places along straight pieces between (n, 3) points, from each begin on, without its end. They are at most a size
-    apart, one or (n,).
-
-    Returns
-    -------
-    (k,) the piece of each place, and (k, 3) places
-    """
+    """Places along straight pieces between (n, 3) points, from each begin on, without its end, at most a size apart,
+    one or (n,): (k,) the piece of each place, and (k, 3) places."""
     ways = ends - begins
     counts = np.maximum(np.ceil(np.linalg.norm(ways, axis=1) / size).astype(int), 1)
     piece, place = ragged_arange(counts)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import MeshError, name_elements
 from ..graphs import components
-from .triangle_mesh import TriangleMesh
+from .triangle_mesh import TriangleMesh, rows_of
 from .vertex_splitting import split_pinched_vertices
 
 # Corners of the six edges of a tetrahedron, and of its four faces: face k is opposite to corner k and counterclockwise
@@ -59,8 +59,8 @@ class TetMesh:
     """
 
     def __init__(self, vertices: ArrayLike, tets: ArrayLike) -> None:
-        self.vertices = _rows(vertices, 3, np.float64, "vertices are points in space")
-        self.tets = _rows(tets, 4, np.int64, "split other cells into tetrahedra")
+        self.vertices = rows_of(3, vertices, np.float64, "vertices are points in space")
+        self.tets = rows_of(4, tets, np.int64, "split other cells into tetrahedra")
         _refuse_indices(self.vertices, self.tets)
         _refuse_flat(self.vertices, self.tets, self.volumes)
 
@@ -186,6 +186,8 @@ class TetMesh:
     @cached_property
     def hat_gradients(self) -> np.ndarray:
         """(m, 4, 3) gradient of the linear function that is 1 at a corner and 0 at the others, one over length."""
+        # Each is normal to the opposite face, as long as one over the height above it: twice the face's area over six
+        # times the volume. All four add up to zero, as the functions add up to one.
         a, b, c, d = np.moveaxis(self.vertices[self.tets], 1, 0)
         gradients = np.empty((self.tet_count, 4, 3))
         gradients[:, 1] = np.cross(c - a, d - a)
@@ -257,13 +259,6 @@ def positive(vertices: ArrayLike, tets: ArrayLike) -> np.ndarray:
     inverted = signed_volumes(vertices, tets) < 0
     tets[inverted] = tets[inverted][:, [0, 1, 3, 2]]
     return tets
-
-
-def _rows(values: ArrayLike, width: int, dtype: type, remedy: str) -> np.ndarray:
-    array = np.asarray(values)
-    if array.size and (array.ndim != 2 or array.shape[1] != width):
-        raise MeshError(f"an array of shape {array.shape} where (n, {width}) is needed: {remedy}")
-    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, width)
 
 
 def _refuse_indices(vertices: np.ndarray, tets: np.ndarray) -> None:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError
-from ..graphs import components
+from ..graphs import components, sum_by
+from ..unit_vectors import unit_vectors
 from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
 from .nearest import NearestTriangles
 from .vertex_splitting import next_half_edges, previous_half_edges
@@ -22,11 +23,12 @@ from .vertex_splitting import next_half_edges, previous_half_edges
 _LARGEST = 1e200
 
 
-def _rows_of_three(values: ArrayLike, dtype: type, remedy: str) -> np.ndarray:
+def rows_of(width: int, values: ArrayLike, dtype: type, remedy: str) -> np.ndarray:
+    """Convert values to a contiguous (n, width) array; MeshError with a remedy for another shape."""
     array = np.asarray(values)
-    if array.size and (array.ndim != 2 or array.shape[1] != 3):
-        raise MeshError(f"an array of shape {array.shape} where (n, 3) is needed: {remedy}")
-    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, 3)
+    if array.size and (array.ndim != 2 or array.shape[1] != width):
+        raise MeshError(f"an array of shape {array.shape} where (n, {width}) is needed: {remedy}")
+    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, width)
 
 
 @dataclass(frozen=True)
@@ -57,8 +59,8 @@ class TriangleMesh:
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
-        self.vertices = _rows_of_three(vertices, np.float64, "vertices are points in space")
-        self.triangles = _rows_of_three(triangles, np.int64, "split polygons into triangles")
+        self.vertices = rows_of(3, vertices, np.float64, "vertices are points in space")
+        self.triangles = rows_of(3, triangles, np.int64, "split polygons into triangles")
         outside = ((self.triangles < 0) | (self.triangles >= len(self.vertices))).any(axis=1)
         if outside.any():
             face = np.flatnonzero(outside)[0]
@@ -146,6 +148,17 @@ class TriangleMesh:
         twins[halves[first]], twins[halves[first + 1]] = halves[first + 1], halves[first]
         return twins
 
+    def halves_off(self, edges: np.ndarray) -> np.ndarray:
+        """Find the half-edges that have a twin and are not on (k,) edges."""
+        is_open = np.ones(len(self.edges), bool)
+        is_open[edges] = False
+        return np.flatnonzero((self.twins >= 0) & is_open[self.triangle_edges.ravel()])
+
+    def parts_between(self, edges: np.ndarray) -> np.ndarray:
+        """Label the part of the surface between (k,) edges that each triangle is in, (m,)."""
+        halves = self.halves_off(edges)
+        return components(self.triangle_count, np.column_stack([halves, self.twins[halves]]) // 3)
+
     @cached_property
     def pieces(self) -> np.ndarray:
         """(n,) label of the connected piece of each vertex."""
@@ -205,7 +218,7 @@ class TriangleMesh:
     def face_normals(self) -> np.ndarray:
         """(m, 3) unit normals; zero for a triangle without area."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
-        return _normalized(np.cross(b - a, c - a))
+        return unit_vectors(np.cross(b - a, c - a))
 
     @cached_property
     def dihedral_angles(self) -> np.ndarray:
@@ -227,7 +240,7 @@ class TriangleMesh:
     def vertex_normals(self) -> np.ndarray:
         """(n, 3) unit normals, averaged by corner angle."""
         weighted = (self.corner_angles[:, :, None] * self.face_normals[:, None]).reshape(-1, 3)
-        return _normalized(self._sum_at_vertices(weighted))
+        return unit_vectors(self._sum_at_vertices(weighted))
 
     @cached_property
     def vertex_masses(self) -> np.ndarray:
@@ -328,11 +341,11 @@ class TriangleMesh:
             at = self.edges[:, end]
             n = normals[at]
             towards = sign * self.edge_vectors
-            towards = _normalized(towards - np.einsum("ij,ij->i", towards, n)[:, None] * n)
+            towards = unit_vectors(towards - np.einsum("ij,ij->i", towards, n)[:, None] * n)
             angles = self.edge_directions[:, end, None]
             back = np.cos(angles) * towards - np.sin(angles) * np.cross(n, towards)
             np.add.at(references, at, back)
-        x = _normalized(references)
+        x = unit_vectors(references)
         return x, np.cross(normals, x)
 
     @cached_property
@@ -353,11 +366,7 @@ class TriangleMesh:
 
     def _sum_at_vertices(self, corner_values: np.ndarray) -> np.ndarray:
         """Sum (3 m,) or (3 m, k) corner values at their vertices."""
-        corners = self.triangles.ravel()
-        if corner_values.ndim == 1:
-            return np.bincount(corners, weights=corner_values, minlength=self.vertex_count)
-        columns = [np.bincount(corners, weights=c, minlength=self.vertex_count) for c in corner_values.T]
-        return np.column_stack(columns)
+        return sum_by(self.triangles.ravel(), corner_values, self.vertex_count)
 
 
 def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:
@@ -369,9 +378,3 @@ def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:
     own = IntrinsicMesh(mesh.triangles, sides, directions, mesh.corner_angles, mesh.twins, mesh.angle_scales)
     flipped = flip_edges(own)
     return mesh if flipped is own else flipped
-
-
-def _normalized(vectors: np.ndarray) -> np.ndarray:
-    """Normalize (k, 3) real or integer vectors; zero stays zero."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)

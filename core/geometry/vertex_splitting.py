@@ -9,12 +9,8 @@ from ..graphs import components
 def split_pinched_vertices(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Split the vertices of (b, 3) triangles of a closed surface so that the triangles around each form one fan.
 
-    Triangles of one fan share edges. Where more than two meet in an edge, all of them stay together.
-
-    Returns
-    -------
-    source : (v,) given vertex of each vertex, in increasing order
-    triangles : (b, 3) in the numbering of ``source``
+    Triangles of one fan share edges. Where more than two meet in an edge, all of them stay together. Returns (v,) the
+    given vertex of each vertex, ascending, and (b, 3) triangles of these.
     """
     tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     keys = np.minimum(tails, heads) * (triangles.max(initial=0) + 1) + np.maximum(tails, heads)

@@ -13,7 +13,8 @@ from ..extract.lines.isolines import End, Isolines
 from ..geometry import TriangleMesh
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
-from ..graphs import components, ragged_arange
+from ..graphs import components, sum_by
+from ..unit_vectors import unit_vectors
 from .coverage import NARROWEST, REACH, WIDEST, BeadDistances, share_area
 from .flat import RimDistances, is_flat, rim_pieces
 from .medial_axis import Polyline, beads_through, level_pieces, medial_beads, medial_points
@@ -149,8 +150,7 @@ def _moved_apart(
     if not len(moved):
         return lines, halves
     points = lines.points
-    sides = np.cross(lines.normals[moved], (points[lines.next] - points[lines.previous])[moved])
-    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    sides = unit_vectors(np.cross(lines.normals[moved], (points[lines.next] - points[lines.previous])[moved]))
     sides *= np.sign(np.einsum("kx,kx->k", sides, points[moved] - begins[nearest[moved]]))[:, None]
     ways_on = step * (0.5 - way[moved]) / 2
     halves[moved] -= ways_on
@@ -164,19 +164,16 @@ def _moved_apart(
 
 def without_straight_points(lines: Isolines, longest: float) -> Isolines:
     """Lines without points on straight ways between others that are no farther apart than the longest."""
-    points, following = lines.points, lines.next
-    ways = points[following] - points
+    ways = lines.points[lines.next] - lines.points
     lengths = np.linalg.norm(ways, axis=1)
-    units = ways / np.where(lengths > 0, lengths, 1)[:, None]
-    before = np.arange(len(points)) - 1
-    before[lines.starts] = np.where(lines.closed, lines.starts + lines.sizes - 1, lines.starts)
-    turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[before]), -1, 1))
+    units = unit_vectors(ways)
+    turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[lines.previous]), -1, 1))
     number, way, turned = lines.numbers, np.cumsum(lengths) - lengths, np.cumsum(turns)
     bins = np.column_stack([number, way // longest, turned // _TURNED])
     kept = np.append(True, (np.diff(bins, axis=0) != 0).any(axis=1)) | (turns > _TURNED)
     kept[lines.starts + lines.sizes - 1] = True
     sizes = np.bincount(number[kept], minlength=len(lines.sizes))
-    return replace(lines, triangles=lines.triangles[kept], weights=lines.weights[kept], sizes=sizes)
+    return lines.with_points(np.flatnonzero(kept), sizes, lines.ends)
 
 
 def _away(lines: Isolines, layers: np.ndarray, step: float) -> BeadDistances:
@@ -189,8 +186,9 @@ def _widths(lines: Isolines) -> np.ndarray:
     """(l,) mean widths of what closed lines go around."""
     points = lines.points
     crosses = np.cross(points - points[lines.starts][lines.numbers], points[lines.next] - points)
-    doubled = np.stack([np.bincount(lines.numbers, column, len(lines.sizes)) for column in crosses.T], axis=1)
-    return np.linalg.norm(doubled, axis=1) / np.maximum(lines.lengths, np.finfo(float).tiny)
+    return np.linalg.norm(sum_by(lines.numbers, crosses, len(lines.sizes)), axis=1) / np.maximum(
+        lines.lengths, np.finfo(float).tiny
+    )
 
 
 def _is_large(mesh: TriangleMesh, far: np.ndarray, bare: np.ndarray, area: float) -> np.ndarray:
@@ -226,8 +224,7 @@ def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: B
 
     # Into the middle between what is beside them.
     along = np.concatenate([np.gradient(bead.points, axis=0) for bead in more])
-    sides = np.cross(mesh.face_normals[nearest(points)[1]], along)
-    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    sides = unit_vectors(np.cross(mesh.face_normals[nearest(points)[1]], along))
     reach = np.maximum(clear(points), 0)[:, None] / 2 * sides
     off = np.clip((clear(points + reach) - clear(points - reach)) / 2, -_OTHER * step, _OTHER * step)
     points = points + off[:, None] * sides
@@ -242,18 +239,12 @@ def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: B
 def join_lines(parts: Sequence[_Found]) -> _Found:
     """Lines on one mesh as one set, ordered by layer."""
     lines, layers, kinds, widths = zip(*parts, strict=True)
-    sizes, of = np.concatenate([part.sizes for part in lines]), np.concatenate(layers)
+    names = ("triangles", "weights", "sizes", "ends")
+    joined = Isolines(lines[0].mesh, *(np.concatenate([getattr(part, name) for part in lines]) for name in names))
+    of = np.concatenate(layers)
     order = np.argsort(of, kind="stable")
-    run, place = ragged_arange(sizes[order])
-    points = (np.cumsum(sizes) - sizes)[order][run] + place
-    joined = Isolines(
-        lines[0].mesh,
-        np.concatenate([part.triangles for part in lines])[points],
-        np.concatenate([part.weights for part in lines])[points],
-        sizes[order],
-        np.concatenate([part.ends for part in lines])[order],
-    )
-    return joined, of[order], np.concatenate(kinds)[order], np.concatenate(widths)[points]
+    widths = np.concatenate(widths)[joined.points_of(order)]
+    return joined.chosen(order), of[order], np.concatenate(kinds)[order], widths
 
 
 def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
@@ -274,12 +265,6 @@ def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isoli
     part = np.cumsum(begins)[is_kept] - 1
     of = numbers[begins]
     ends = np.where(whole[of][:, None], lines.ends[of], End.BOUNDARY)
-    made = replace(
-        lines,
-        triangles=lines.triangles[points],
-        weights=lines.weights[points],
-        sizes=np.bincount(part, minlength=len(of)),
-        ends=ends,
-    )
+    made = lines.with_points(points, np.bincount(part, minlength=len(of)), ends)
     long = whole[of] | (made.lengths >= shortest)
     return made.chosen(long), of[long], points[long[part]]

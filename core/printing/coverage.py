@@ -68,14 +68,12 @@ def share_area(
     halves: np.ndarray,
     step: float,
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Share the area of layers out to the beads whose sides are nearest to it.
+    """Share the area of layers, with the (t,) numbers of a mesh's triangles, out to the beads whose sides are nearest
+    to it.
 
     Parameters
     ----------
-    mesh : TriangleMesh
-    layers : (t,) of its triangles
-    lines : Isolines, the middle of the beads
-    numbers : (l,) layers of these
+    lines, numbers : the middles of the beads, and (l,) their layers
     is_gap : (n,) bool, points of beads that fill gaps
     halves : (n,) distance from the middle at which the sides of beads are wanted
     step : between beads

@@ -16,15 +16,7 @@ _SIZE, _MOST = 0.5, 200_000
 
 
 def far_share(mesh: TriangleMesh, triangles: np.ndarray, surfaces: LayerSurfaces, spacing: float) -> float:
-    """Share of the area of a part of a surface that is farther than :data:`FAR` spacings from all layers.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    triangles : (k,) of it
-    surfaces : LayerSurfaces
-    spacing : between layers
-    """
+    """Share of the area of (k,) triangles of a mesh that is farther than :data:`FAR` spacings from all layers."""
     used, corners = np.unique(mesh.triangles[triangles], return_inverse=True)
     part, _ = subdivide(TriangleMesh(mesh.vertices[used], corners.reshape(-1, 3)), _SIZE * spacing, _MOST)
     layers = NearestTriangles(surfaces.vertices, surfaces.triangles)

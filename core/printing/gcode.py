@@ -2,7 +2,7 @@
 """G-code: moves of a printer along beads, with the filament that each of them takes."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Self
 
@@ -12,9 +12,8 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
 from ..graphs import pairs_within, ragged_arange
-from .kinematics import divide_moves, table_angles, tip_deviation, to_machine, tool_directions
+from .kinematics import divide_moves, simplify_moves, table_angles, tip_deviation, to_machine, tool_directions
 from .machine import Machine
-from .moves import simplify_moves
 from .timing import feed_words, move_seconds, overhead_seconds, turn_accelerations
 from .writer import ProgramWriter
 
@@ -38,8 +37,8 @@ class Course:
     runs : list of (k,) points of each bead, the first one again at the end where it closes
     layers : (l,) layer of each bead
     step : between beads
-    kinds : what each bead is, empty for all the same
-    levels : (l,) how many layers lie below that of each bead, which pieces side by side share; empty for the layers
+    kinds : what each bead is
+    levels : (l,) how many layers lie below that of each bead, which pieces side by side share
     """
 
     points: np.ndarray
@@ -50,8 +49,8 @@ class Course:
     runs: list[np.ndarray]
     layers: np.ndarray
     step: float
-    kinds: list[str] = field(default_factory=list)
-    levels: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+    kinds: list[str]
+    levels: np.ndarray
 
     @property
     def ways(self) -> np.ndarray:
@@ -79,7 +78,6 @@ class Program:
 
     Attributes
     ----------
-    text : str
     seconds : that it takes, about
     filament, volume : length that is drawn in, and what it is extruded to
     deviation : of the tip from its way on the part, at most; on five axes
@@ -102,20 +100,10 @@ class Program:
 
 
 def gcode(course: Course, machine: Machine) -> Program:
-    """The :class:`Program` of a course.
+    """The :class:`Program` of a course of one bead at least; SettingError where the part is outside of the bed.
 
     Points that no move needs (``Machine.tolerance``) are left out, what leads to them is extruded by the next move; on
     five axes moves are divided until the tip stays within ``Machine.deviation`` of its way.
-
-    Parameters
-    ----------
-    course : Course, one bead at least
-    machine : Machine
-
-    Raises
-    ------
-    SettingError
-        where the part is outside of the bed
     """
     _check_place(course, machine)
     course, warnings = _with_skirt(course, machine)
@@ -123,10 +111,9 @@ def gcode(course: Course, machine: Machine) -> Program:
     writer = ProgramWriter(machine)
     rows = [*_header(course, machine, moves), *_begin(machine)]
     tops, clearances = _tops(moves.places, machine), moves.clearances(course, machine)
-    before, top, number, kinds = None, -np.inf, 0, course.kinds or [WALL] * len(course.runs)
+    before, top, number = None, -np.inf, 0
     fan, is_first = False, course.is_first
-    levels = course.levels if len(course.levels) else course.layers
-    for bead, (level, kind) in enumerate(zip(levels.tolist(), kinds, strict=True)):
+    for bead, (level, kind) in enumerate(zip(course.levels.tolist(), course.kinds, strict=True)):
         first, stop = moves.begins[bead], moves.begins[bead + 1]
         target, angles = moves.places[first], moves.angles[first]
         rows += writer.travel(target, angles, top, level == before, moves.reach, clearances[bead])
@@ -168,29 +155,28 @@ def print_times(course: Course, machine: Machine) -> tuple[np.ndarray, np.ndarra
 
 def _check_place(course: Course, machine: Machine) -> None:
     """Refuse a part that the tip cannot reach."""
-    used = course.points[np.concatenate(course.runs)]
-    low, high = machine.reach
-    if machine.turns:
-        high[2] = np.inf
-    for axis, name in enumerate("XYZ"):
-        least, most = used[:, axis].min(), used[:, axis].max()
-        if least < low[axis] - 1e-6 or most > high[axis] + 1e-6:
+    for axis, places, bed in _beyond_bed(course.points[np.concatenate(course.runs)], machine):
+        if axis != "Z" or not machine.turns:
             raise SettingError(
-                f"the part reaches from {name} {least:.1f} to {most:.1f} mm, and the machine from {low[axis]:g} to "
-                f"{high[axis]:g}: make it smaller, or set scale, bed_x and bed_y in the machine's file"
+                f"the part reaches from {axis} {places} mm, and the machine from {bed}: "
+                "make it smaller, or set scale, bed_x and bed_y in the machine's file"
             )
 
 
 def _about_axes(places: np.ndarray, machine: Machine) -> Iterator[str]:
     """Of a table that turns: axes that go farther than the bed, although the part lies on it."""
-    low, high = machine.reach
-    for axis, name in enumerate("XYZ" if machine.turns else ""):
-        least, most = places[:, axis].min(), places[:, axis].max()
-        if least < low[axis] - 1e-6 or most > high[axis] + 1e-6:
-            yield (
-                f"with the table's tilt the axis {name} goes from {least:.1f} to {most:.1f} mm, and the bed from "
-                f"{low[axis]:g} to {high[axis]:g}: make the part smaller or tilt less"
-            )
+    for axis, reached, bed in _beyond_bed(places, machine) if machine.turns else ():
+        yield (
+            f"with the table's tilt the axis {axis} goes from {reached} mm, and the bed from {bed}: "
+            "make the part smaller or tilt less"
+        )
+
+
+def _beyond_bed(places: np.ndarray, machine: Machine) -> Iterator[tuple[str, str, str]]:
+    """Each axis along which places lie beyond the machine's reach, with the ranges of both as text."""
+    for axis, along, low, high in zip("XYZ", places.T, *machine.reach, strict=True):
+        if along.min() < low - 1e-6 or along.max() > high + 1e-6:
+            yield axis, f"{along.min():.1f} to {along.max():.1f}", f"{low:g} to {high:g}"
 
 
 def _about_start(machine: Machine) -> Iterator[str]:
@@ -234,8 +220,8 @@ def _with_skirt(course: Course, machine: Machine) -> tuple[Course, list[str]]:
         heights=np.append(course.heights, np.full(count, height)),
         runs=[*runs, *course.runs],
         layers=np.append(np.full(len(runs), course.layers[0]), course.layers),
-        kinds=[*[SKIRT] * len(runs), *(course.kinds or [WALL] * len(course.runs))],
-        levels=np.append(np.full(len(runs), course.levels[0]), course.levels) if len(course.levels) else course.levels,
+        kinds=[*[SKIRT] * len(runs), *course.kinds],
+        levels=np.append(np.full(len(runs), course.levels[0]), course.levels),
     ), []
 
 
@@ -376,10 +362,9 @@ def _header(course: Course, machine: Machine, moves: _Moves) -> list[str]:
     """Comments that previews and printers read."""
     facts, whole = moves.facts, round(moves.facts["seconds"])
     hours, minutes, seconds = whole // 3600, whole // 60 % 60, whole % 60
-    layers = np.unique(course.levels if len(course.levels) else course.layers)
     return [
         "; made by Synch Fields",
-        f"; {len(course.runs)} beads on {len(layers)} layers",
+        f"; {len(course.runs)} beads on {len(np.unique(course.levels))} layers",
         f"; filament used [mm] = {facts['filament']:.2f}",
         f"; filament used [cm3] = {facts['volume'] / 1000:.3f}",
         f"; estimated printing time (normal mode) = {hours}h {minutes}m {seconds}s",

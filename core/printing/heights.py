@@ -46,15 +46,9 @@ class Below:
 def below(
     surfaces: LayerSurfaces, solid: TetMesh, points: np.ndarray, normals: np.ndarray, layers: np.ndarray, spacing: float
 ) -> Below:
-    """Find what lies below places on layers, along rays against their normals.
+    """Find what lies below (n, 3) points on the layers of given numbers, (n,), along rays against their (n, 3) normals.
 
-    Parameters
-    ----------
-    surfaces : LayerSurfaces
-    solid : TetMesh
-    points, normals : (n, 3)
-    layers : (n,) number of each point's layer
-    spacing : mean distance of layers; the search ends at three of them, with NOTHING at that height
+    The search ends at three spacings, the mean distance of layers, with NOTHING at that height.
     """
     meshes = (surfaces.mesh, solid.boundary_surface[0])
     kinds = (surfaces.layers, np.full(meshes[1].triangle_count, OUTSIDE))

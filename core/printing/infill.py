@@ -32,16 +32,9 @@ def sparse_beads(
 ) -> Beads:
     """Keep the walls and skins of :class:`Beads` that fill a solid, and put crossing lines into the rest.
 
-    Walls lie beside the rims of layers. In skins the solid ends within a number of layers above or below. The lines in
-    the rest run diagonally, one layer this and the next the other way, and have the machine's share of the volume.
-
-    Parameters
-    ----------
-    surfaces : LayerSurfaces
-    solid : TetMesh
-    beads : contours that fill the layers
-    step, spacing : between beads, and mean distance of layers, scene units
-    machine : Machine, whose ``walls``, ``skins`` and ``infill`` are used
+    The machine has the number of walls, which lie beside the rims of layers, and of skins: there the solid ends within
+    so many layers above or below. The lines in the rest run diagonally, one layer this and the next the other way, and
+    have the machine's share of the volume. Beads are a step apart, layers a spacing in the mean.
     """
     rims = distances_to_rims(surfaces, step)
 

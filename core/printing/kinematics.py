@@ -18,6 +18,8 @@ from .machine import Machine
 _EVENED = 0.1
 # Below this sine of the tilt the turn is free.
 _FREE = 1e-4
+# What a move extrudes for its length differs from what its parts ask for by less, as a share.
+SECTION = 0.05
 
 
 def _turned(x: np.ndarray, y: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -66,14 +68,9 @@ def table_angles(points: np.ndarray, axes: np.ndarray, sizes: np.ndarray, machin
     """(n, 2) angles of the table along beads, in degrees: steady within each, and near those of the bead before.
 
     A table that is tilted to the other side and turned by half a turn has the tool along the same direction. Within a
-    bead the tilt goes through upright to the other side where that keeps the turn steady; between beads the nearer
-    of both is taken.
-
-    Parameters
-    ----------
-    points, axes : (n, 3) of the part, and unit vectors of the tool, in the order of the moves
-    sizes : points of each bead
-    machine : Machine
+    bead the tilt goes through upright to the other side where that keeps the turn steady; between beads the nearer of
+    both is taken. Points and unit vectors of the tool are (n, 3), in the order of the moves; ``sizes`` are the numbers
+    of points of the beads.
     """
     if not machine.turns:
         return np.zeros((len(points), 0))
@@ -142,18 +139,9 @@ def divide_moves(
     """More points along beads, between which straight moves of the machine's axes keep the tip near its way: less than
     half of the machine's deviation.
 
-    The tip goes straight from point to point on the part, and the table's angles change evenly on the way.
-
-    Parameters
-    ----------
-    points : (n, 3) of the part
-    angles : (n, 2)
-    first : (n,) bool, points that begin a bead
-    machine : Machine
-
-    Returns
-    -------
-    spans, shares : (m,) the point after which each new point comes, and how far on the way to the next one
+    The tip goes straight from point to point on the part, and the table's angles change evenly on the way. (n,) bool
+    ``first`` are points that begin a bead. Returns (m,) the point after which each new point comes, and (m,) how far it
+    is on the way to the next one.
     """
     count = len(points)
     if not machine.turns or count < 2:
@@ -210,3 +198,36 @@ def _off(
         tips = to_part(first + share * (last - first), places(angles, at), machine)
         off = np.maximum(off, np.linalg.norm(tips - places(points, at), axis=1))
     return off
+
+
+def simplify_moves(along: np.ndarray, stations: np.ndarray, sections: np.ndarray, tolerance: float) -> np.ndarray:
+    """(m,) the points of a bead, with both ends, between which straight moves stay near it (Ramer, Douglas and Peucker,
+    with both ways at the same share of the length).
+
+    Parameters
+    ----------
+    along : (k,) length of the bead up to each point
+    stations : (k, d) the machine's axes there, in which moves are straight, all as lengths
+    sections : (k - 1,) of the bead between points
+    tolerance : sum of the distances along the axes below which a point can be left out; 0 keeps all
+    """
+    kept, spans = np.zeros(len(along), bool), [(0, len(along) - 1)]
+    kept[[0, -1]] = True
+    volumes = np.append(0.0, np.cumsum(sections * np.diff(along)))
+    while spans:
+        first, last = spans.pop()
+        length = along[last] - along[first]
+        if last - first < 2:
+            continue
+        shares = (along[first + 1 : last] - along[first]) / (length or 1.0)
+        straight = stations[first] + shares[:, None] * (stations[last] - stations[first])
+        away = np.abs(stations[first + 1 : last] - straight).sum(axis=1)
+        mean = (volumes[last] - volumes[first]) / (length or 1.0)
+        split = first + 1 + int(away.argmax())
+        if away.max() < tolerance:
+            if np.abs(sections[first:last] - mean).max() <= SECTION * mean:
+                continue
+            split = (first + last) // 2
+        kept[split] = True
+        spans += [(first, split), (split, last)]
+    return np.flatnonzero(kept)

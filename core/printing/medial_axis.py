@@ -39,8 +39,6 @@ class Polyline:
     Attributes
     ----------
     points : (n, 3); of a closed one the first does not come again
-    closed : bool
-    layer : int
     """
 
     points: np.ndarray
@@ -63,15 +61,10 @@ def medial_beads(
 
     Parameters
     ----------
-    mesh : TriangleMesh
-    layers : (t,) of its triangles
+    layers : (t,) of the mesh's triangles
     medial : as :func:`medial_points`
     away : callable((k, 3) points, (k,) layers) -> (k,) distances to the beads that there are
     step : between beads
-
-    Returns
-    -------
-    list of Polyline
     """
     edges, points, numbers = _placed(mesh, layers, medial)
     gaps = away(points, numbers[edges])
@@ -230,18 +223,9 @@ def smooth(bead: Polyline, step: float) -> Polyline:
 
 
 def beads_through(mesh: TriangleMesh, layers: np.ndarray, far: np.ndarray, step: float) -> list[Polyline]:
-    """Beads through vertices that are left: along the longest way in each piece of them.
+    """Beads through (n,) bool vertices that are far from others: along the longest way in each piece of them.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    layers : (t,) of its triangles
-    far : (n,) bool
-    step : between beads
-
-    Returns
-    -------
-    list of Polyline
+    ``layers`` are (t,) of the mesh's triangles; beads are a step apart.
     """
     chosen = np.flatnonzero(far)
     i, j = mesh.edges.T

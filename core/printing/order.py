@@ -2,7 +2,6 @@
 """The order in which beads are laid: what carries others first, and then the nearest one."""
 
 import heapq
-from dataclasses import replace
 
 import numpy as np
 
@@ -25,15 +24,8 @@ def carrying_pairs(of: np.ndarray, lower: np.ndarray, count: int) -> np.ndarray:
 def layer_order(count: int, carried: np.ndarray, carrying: np.ndarray) -> np.ndarray:
     """Layers in an order in which what carries comes before what it carries, the lowest number first where it is free.
 
-    Parameters
-    ----------
-    count : of layers
-    carried, carrying : (k,) layers that lie upon others, and these; where they go round in a circle, the lowest number
-        of it comes first
-
-    Returns
-    -------
-    (count,) layers
+    (k,) ``carried`` layers lie upon the (k,) ``carrying`` ones; where they go round in a circle, the lowest number of
+    it comes first.
     """
     pairs = np.unique(np.array([carrying, carried], int).T.reshape(-1, 2), axis=0)
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
@@ -74,20 +66,11 @@ def count_levels(order: np.ndarray, carried: np.ndarray, carrying: np.ndarray) -
 def order_lines(
     lines: Isolines, layers: np.ndarray, order: np.ndarray, back: np.ndarray | None = None
 ) -> tuple[Isolines, np.ndarray, np.ndarray]:
-    """Lines in the order of their layers, each time the nearest next; closed ones begin, open ones end where it suits.
+    """Lines of (l,) layers in the order of these, each time the nearest next; closed ones begin, open ones end where it
+    suits.
 
-    Parameters
-    ----------
-    lines : Isolines
-    layers : (l,) the layer of each line
-    order : (c,) layers
-    back : (3,) direction in which closed lines begin as far as they go; None for where it suits
-
-    Returns
-    -------
-    lines : Isolines
-    taken : (l,) the given lines that they were
-    points : (n,) the given points that they have
+    Where a direction ``back`` is given, (3,), closed lines begin as far along it as they go. Returns the lines, (l,)
+    the given lines that they were, and (n,) the given points that they have.
     """
     starts, closed, places = lines.starts, lines.closed, lines.points
     here = None
@@ -118,11 +101,4 @@ def order_lines(
             runs.append(row)
     taken = np.array(chosen, int)
     points = np.concatenate([*runs, np.zeros(0, int)]).astype(int)
-    made = replace(
-        lines,
-        triangles=lines.triangles[points],
-        weights=lines.weights[points],
-        sizes=lines.sizes[taken],
-        ends=lines.ends[taken],
-    )
-    return made, taken, points
+    return lines.with_points(points, lines.sizes[taken], lines.ends[taken]), taken, points

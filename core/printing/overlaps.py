@@ -30,12 +30,8 @@ def find_overlaps(
     """(n,) bool: points without a height or whose tip is inside an earlier bead, and ends of the rest whose tip comes
     through one on its way along the tool.
 
-    Parameters
-    ----------
-    lines : Isolines in the order in which they are printed
-    tips, tools : (n, 3) at their points, and unit vectors from the tip into the tool
-    widths, heights : (n,) of the beads
-    step : distance of lines
+    Lines, a step apart, are in the order in which they are printed; at their points are the tips and unit vectors from
+    these into the tool, (n, 3), and the (n,) widths and heights of the beads.
     """
     piece, tops = divide_pieces(tips, tips[lines.next], _PIECE * step)
     middles, numbers = tops - heights[piece, None] / 2 * tools[piece], lines.numbers

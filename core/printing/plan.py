@@ -53,13 +53,11 @@ class PrintPlan:
     sheets : (l,) the sheet of each line, see :mod:`.ramps`; its layer where none is a ramp
     levels : (l,) how many sheets lie below that of each line, one on the other
     widths : (n,) at the lines' points
-    below : Below
     down, up : (n,) how far the bead reaches below and above the layer: half way to the next layer, or to the end of the
         solid; the tip is at its top
     kinds : (l,) what each line is, as :mod:`.gcode` calls it
     volume : of the solid, scene units
     matrix : (4, 4) from the solid's space to the world, Z upwards
-    machine : Machine
     step, spacing : between beads, and mean distance of layers
     covered : (c,) share of each layer's area that is covered
     covered_share : of all layers
@@ -181,16 +179,10 @@ def print_plan(
     step: float,
     spacing: float,
 ) -> PrintPlan:
-    """The :class:`PrintPlan` of :class:`Beads`.
+    """The :class:`PrintPlan` of :class:`Beads` on layers of a solid.
 
-    Parameters
-    ----------
-    surfaces : LayerSurfaces
-    solid : TetMesh
-    beads : Beads on the layers
-    matrix : (4, 4) from the solid's space to the world, without scale
-    machine : Machine
-    step, spacing : between beads, and mean distance of layers, scene units
+    The (4, 4) matrix leads from the solid's space to the world, without scale. Beads are a step apart, layers a spacing
+    in the mean, in scene units.
     """
     lines, widths, layers, kinds = beads.lines, beads.widths, beads.layers, beads.kinds
     sheets, count, flat = layers, surfaces.count, is_flat(surfaces)

@@ -6,7 +6,7 @@ layer: the least of sum_below (L_i - L_j - 1)^2 + w sum_edges (L_i - L_j)^2. On 
 dislocation; it is cut where they are half way between two sheets.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_matrix, diags_array
@@ -152,11 +152,5 @@ def split_lines(lines: Isolines, sheets: np.ndarray, step: float) -> tuple[Isoli
         of += labels
         sizes += [len(run) for run in points[-len(joined) :]]
     taken = np.concatenate([*points, np.zeros(0, int)]).astype(int)
-    made = replace(
-        lines,
-        triangles=lines.triangles[taken],
-        weights=lines.weights[taken],
-        sizes=np.array(sizes, int),
-        ends=np.array(ends, int).reshape(-1, 2),
-    )
+    made = lines.with_points(taken, np.array(sizes, int), np.array(ends, int).reshape(-1, 2))
     return made, np.array(of, int), taken

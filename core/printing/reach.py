@@ -5,6 +5,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..graphs import pairs_within
+from ..unit_vectors import unit_vectors
 from .machine import Machine
 
 # Places that are looked at together.
@@ -23,9 +24,7 @@ def tool_axes(normals: np.ndarray, machine: Machine) -> np.ndarray:
     upright = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
     if not machine.turns:
         return upright
-    level = normals * [1, 1, 0]
-    lengths = np.linalg.norm(level, axis=1, keepdims=True)
-    level = np.divide(level, lengths, out=np.zeros_like(level), where=lengths > 0)
+    level = unit_vectors(normals * [1, 1, 0])
     angles = np.radians(np.minimum(tilts(normals), machine.largest_tilt))[:, None]
     return np.cos(angles) * upright + np.sin(angles) * level
 
@@ -36,13 +35,11 @@ def collisions(points: np.ndarray, axes: np.ndarray, machine: Machine, step: flo
     Parameters
     ----------
     points, axes : (n, 3) of the tip, in the order in which they are printed, and of the tool
-    machine : Machine, with lengths in the points' unit
+    machine : with lengths in the points' unit
     step : between beads; of what is farther than four of them, places that are one apart are looked at
-    slack : height above the tip up to which material is none that it meets
+    slack : the tool does not meet material up to this height above the tip
 
-    Returns
-    -------
-    (n,) the first place that it meets, -1 for none
+    Returns (n,) the first place that it meets, -1 where it meets none.
     """
     met = np.full(len(points), -1)
     length, widens = machine.nozzle_length, np.tan(np.radians(machine.nozzle_angle))

@@ -14,16 +14,7 @@ _ROUNDS = 12
 def subdivide(mesh: TriangleMesh, size: float, most: int) -> tuple[TriangleMesh, np.ndarray]:
     """The same surface with edges no longer than a size, as far as a number of triangles allows.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    size : longest edge, scene units
-    most : triangles
-
-    Returns
-    -------
-    fine : TriangleMesh, whose first vertices are the mesh's
-    parents : (t,) triangle of the mesh that each triangle is a part of
+    Its first vertices are the mesh's. Also returns (t,) the triangle of the mesh that each triangle is a part of.
     """
     parents = np.arange(mesh.triangle_count)
     for _ in range(_ROUNDS):
@@ -49,7 +40,6 @@ def subdivide_by(
 
     Parameters
     ----------
-    mesh : TriangleMesh
     found : (n,) values of the function at the vertices
     values : callable((k, 3) points, (k,) a vertex of the piece that each is on) -> (k,)
     size : edges that are shorter stay, scene units

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..unit_vectors import unit_vectors
 from .machine import Machine
 
 # Rounds in which turns that begin or end too suddenly are slowed down.
@@ -76,7 +77,7 @@ def overhead_seconds(
     lengths = np.linalg.norm(steps, axis=1)
     fastest = machine.travel_feed / 60
     travels = lengths / fastest + fastest / machine.acceleration
-    directions = steps / np.where(lengths > 0, lengths, 1)[:, None]
+    directions = unit_vectors(steps)
     bent = np.einsum("kx,kx->k", directions[1:], directions[:-1]) < np.cos(np.radians(_CORNER))
     stops = np.where(np.append(False, bent), speeds / machine.acceleration, 0)
     return np.where(first, travels, stops)

@@ -80,8 +80,7 @@ class _Inbox:
             while self._messages:
                 word, *rest = self._messages.pop(0)
                 if word == "solve":
-                    request: _Request = rest[0]
-                    return request
+                    return rest[0]
             self._take()
 
     def word(self) -> str:

@@ -37,14 +37,10 @@ _TOO_LONG = 2.0
 
 
 def automatic_spacing(mesh: TriangleMesh, per_period: int, across: float = LINES_ACROSS) -> float:
-    """Choose a spacing for a surface: about ``across`` lines across it, or as many as its edges carry.
+    """Choose a spacing for a surface: about ``across`` lines across its longest side, or as many as its edges carry, of
+    which ``per_period`` make a period: 1 for stripes, 2 for quads.
 
     If its edges carry very few lines, a finer copy will be made, and the spacing follows from the area.
-
-    Parameters
-    ----------
-    per_period : lines in a period: 1 for stripes, 2 for quads
-    across : lines across the longest side
     """
     return spacing_across(_size(mesh), mesh.areas.sum(), carried_spacing(mesh.edge_lengths), per_period, across)
 
@@ -139,13 +135,10 @@ def finer_copy(
     settings: SurfaceSettings,
     factors: float | np.ndarray = 1.0,
 ) -> BoundSurface:
-    """The finer copy of a mesh that carries the pattern asked for; SettingError where it would have too many faces.
+    """The finer copy of an object's mesh, with (e, 2) edges, that carries the pattern asked for; SettingError where it
+    would have too many faces.
 
-    Parameters
-    ----------
-    read, edges : the object's mesh, and the (e, 2) vertices of its edges
-    given : the same, repaired
-    factors : on the spacing, one or (n,)
+    ``given`` is the same mesh, repaired; the factors on the spacing are one or (n,).
     """
     mesh, longest = given.mesh, None
     spacing = settings.spacing or wished_spacing(mesh.areas.sum(), lines_in_period(command))
@@ -200,14 +193,8 @@ def asked_spacings(
 
 
 def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") -> None:
-    """Refuse a spacing larger than the object, or too fine for double precision.
-
-    Parameters
-    ----------
-    places : (n, 3) vertices that the pattern is on
-    spacing : a length in their unit, or one at each vertex (and axis)
-    what : the spaced thing, for messages
-    """
+    """Refuse a spacing, one length or one at each vertex (and axis), larger than what the (n, 3) places of vertices
+    span, or too fine for double precision; messages call the spaced thing ``what``."""
     spacing = check_lengths(spacing)
     extent = np.linalg.norm(np.ptp(places, axis=0))
     if spacing.min() > extent:

@@ -16,6 +16,7 @@ from ..fields.patterns import KnownPattern
 from ..geometry.mesh_input import MeshInput, ObjectMesh
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
+from ..graphs import sum_by
 from ..matchings import after_turns
 from ..solution import GLANCE
 from .surface_source import SurfaceSource
@@ -100,8 +101,7 @@ def _clusters(mesh: TriangleMesh, size: float) -> np.ndarray:
 
 def _coarse_copy(mesh: TriangleMesh, cluster: np.ndarray, count: int) -> MeshInput:
     """A surface whose vertices are the means of the clusters; raises MeshError where no triangle is left."""
-    sizes = np.bincount(cluster, minlength=count)
-    places = np.stack([np.bincount(cluster, axis, count) / sizes for axis in mesh.vertices.T], axis=1)
+    places = sum_by(cluster, mesh.vertices, count) / np.bincount(cluster, minlength=count)[:, None]
     triangles = cluster[mesh.triangles]
     triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
     keys = np.sort(triangles, axis=1) @ np.array([count**2, count, 1])

@@ -13,14 +13,8 @@ FIRST, LAST = np.radians([-135, 135])
 
 
 def knob(picture, place, name, value):
-    """Draw a knob with its name below.
-
-    Parameters
-    ----------
-    picture : (height, width, 3), changed
-    place : x and y of its middle, in pixels from the top left
-    value : 0 to 1
-    """
+    """Draw a knob at a value from 0 to 1, with its name below, into a (height, width, 3) picture; its middle is at x
+    and y, in pixels from the top left."""
     x, y = _grid(picture, place)
     away, turned = np.hypot(x, y), np.arctan2(x, -y)
     angle = FIRST + value * (LAST - FIRST)

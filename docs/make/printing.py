@@ -19,14 +19,14 @@ from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.docs.make.solid_pictures import material_of_values
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.new_geometry import new_mesh
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.solids import memory
+from synch_fields.synch_addon.solids.beads import bead_faces, bead_rings
 
 TILE, SAMPLES = (560, 500), 12
-# Points around a bead, and the power that squares it: 1 for an ellipse.
-AROUND, SQUARE = 24, 0.6
-# Of a bead's width and height, so that its neighbours show.
-GAP = 0.97
+# Points around a bead.
+AROUND = 24
 # Heights in spacings, and their colours.
 HEIGHTS = (0.5, 1.5)
 COLORS = [
@@ -87,46 +87,16 @@ def beads_object(plan, share, spacing):
     """
     lines = plan.lines
     lengths = np.cumsum(lines.lengths)
-    points, faces, values = [], [], []
-    for line in np.flatnonzero(lengths <= share * lengths[-1]):
-        rows = slice(lines.starts[line], lines.starts[line] + lines.sizes[line])
-        heights = np.minimum(plan.heights[rows], HEIGHTS[1] * spacing)
-        widths = np.where(plan.is_printed, plan.widths, 0)[rows]
-        ring = rings(plan.tips[rows], plan.normals[rows], widths, heights, lines.closed[line])
-        faces += tube(len(ring), lines.closed[line], sum(map(len, points)))
-        points.append(ring.reshape(-1, 3))
-        values.append(np.repeat(plan.heights[rows] / spacing, AROUND))
-    mesh = bpy.data.meshes.new("Beads")
-    mesh.from_pydata(np.concatenate(points), [], faces)
-    mesh.attributes.new("value", "FLOAT", "POINT").data.foreach_set("value", np.concatenate(values).astype(np.float32))
+    shown = lengths <= share * lengths[-1]
+    rows = shown[lines.numbers]
+    rings = bead_rings(plan, np.minimum(plan.heights, HEIGHTS[1] * spacing), AROUND)[rows]
+    mesh = new_mesh("Beads", rings.reshape(-1, 3), bead_faces(lines.chosen(shown), AROUND))
+    values = np.repeat(plan.heights[rows] / spacing, AROUND)
+    mesh.attributes.new("value", "FLOAT", "POINT").data.foreach_set("value", values.astype(np.float32))
     mesh.materials.append(material_of_values("Beads", COLORS, HEIGHTS))
     obj = bpy.data.objects.new("Beads", mesh)
     bpy.context.scene.collection.objects.link(obj)
     return obj
-
-
-def rings(places, normals, widths, heights, closed):
-    """(n, AROUND, 3) points around a bead whose upper side is at the places."""
-    before, after = np.roll(places, 1, axis=0), np.roll(places, -1, axis=0)
-    if not closed:
-        before[0], after[-1] = places[0], places[-1]
-    sides = np.cross(normals, after - before)
-    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
-    turn = 2 * np.pi * (np.arange(AROUND) + 0.5) / AROUND
-    across, upwards = (np.sign(v) * np.abs(v) ** SQUARE for v in (np.cos(turn), np.sin(turn)))
-    offsets = GAP / 2 * widths[:, None, None] * across[:, None] * sides[:, None]
-    offsets = offsets + (heights[:, None] / 2 * (GAP * upwards - 1))[..., None] * normals[:, None]
-    return places[:, None] + offsets
-
-
-def tube(count, closed, start):
-    """Faces between rings whose points are counted from a start, from the last to the first ring or with two caps."""
-    ring = np.arange(count if closed else count - 1)
-    around = np.arange(AROUND)
-    corners = [(ring, around), (ring, around + 1), (ring + 1, around + 1), (ring + 1, around)]
-    faces = [(a % count)[:, None] * AROUND + (b % AROUND) + start for a, b in corners]
-    caps = [] if closed else [start + around[::-1], start + (count - 1) * AROUND + around]
-    return np.stack(faces, axis=-1).reshape(-1, 4).tolist() + [cap.tolist() for cap in caps]
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.extract.quads.measure.loops import SHORT
 from synch_fields.docs.make.figures import read_directions, row, write_directions
 from synch_fields.docs.make.sheets import beside, make_pictures
+from synch_fields.docs.make.solid_pictures import plain_material
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.pattern_surface import surface_of
@@ -89,8 +90,7 @@ def figure4(place):
 
 def wave_material():
     """cos x cos y as a mixture of two colours, half of each on the grid lines."""
-    material = plain_material("Wave", WARM_IVORY)
-    tree = material.node_tree
+    material, tree, surface = plain_material("Wave")
     pattern, ramp, mix, gamma = map(tree.nodes.new, WAVE_NODES)
     pattern.node_tree = bpy.data.node_groups[QUADS_NAME]
     ramp.interpolation_type = "SMOOTHSTEP"
@@ -101,17 +101,7 @@ def wave_material():
     tree.links.new(pattern.outputs["Pattern"], ramp.inputs["Value"])
     tree.links.new(ramp.outputs["Result"], mix.inputs["Fac"])
     tree.links.new(mix.outputs["Color"], gamma.inputs["Color"])
-    tree.links.new(gamma.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
-    return material
-
-
-def plain_material(name, color):
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    surface = material.node_tree.nodes["Principled BSDF"]
-    surface.inputs["Base Color"].default_value = color
-    surface.inputs["Roughness"].default_value = 0.45
+    tree.links.new(gamma.outputs["Color"], surface.inputs["Base Color"])
     return material
 
 
@@ -164,7 +154,7 @@ def loops(options, folder, path):
         made = bpy.data.objects[report["object"]]
         made.data.materials.clear()
         for number, color in enumerate((WARM_IVORY, LIGHT_BLUE, MIDDLE_BLUE)):
-            made.data.materials.append(plain_material(f"In {number}", color))
+            made.data.materials.append(plain_material(f"In {number}", color)[0])
         made.data.polygons.foreach_set("material_index", short_loops(made))
         picture = folder / f"{share}.png"
         pictures.append(render_picture(made, picture, view=view, resolution=(760, 620), edges=True))

@@ -113,12 +113,7 @@ def section(mesh, function):
 
 
 def cut_away(mesh, cuts):
-    """What is left of a solid without its part where normal . x > offset for both of two planes.
-
-    Parameters
-    ----------
-    cuts : two pairs of a normal and an offset
-    """
+    """What is left of a solid without its part where normal . x > offset for both of two planes, the cuts."""
     one, other = (mesh.vertices @ np.array(normal, float) - offset for normal, offset in cuts)
     whole = boundary(mesh)
     return whole.clipped(-one).with_others(

@@ -7,7 +7,9 @@ import numpy as np
 from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.docs.make.sheets import beside as side_by_side
 from synch_fields.docs.make.solid_cuts import boundary, cut_away, lowest
+from synch_fields.synch_addon.blender.new_geometry import add_spline
 from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.nodes.canvas import surface_material
 from synch_fields.synch_addon.nodes.stripes import WARM_IVORY
 
 # For each shape: azimuths of the two planes' normals between which a wedge is cut off (None: it stays whole), where
@@ -112,12 +114,8 @@ def _add_tubes(obj, curves, radius):
     data = bpy.data.curves.new("Dislocations", "CURVE")
     data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 4, True
     for curve in curves:
-        points = curve.smooth_points
-        spline = data.splines.new("POLY")
-        spline.points.add(len(points) - 1)
-        spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
-        spline.use_cyclic_u = curve.is_closed
-    data.materials.append(_plain("Dislocations", DARK))
+        add_spline(data, curve.smooth_points, is_closed=curve.is_closed)
+    data.materials.append(plain_material("Dislocations", DARK)[0])
     tubes = bpy.data.objects.new("Dislocations", data)
     bpy.context.scene.collection.objects.link(tubes)
     mesh = bpy.data.meshes.new_from_object(tubes.evaluated_get(bpy.context.evaluated_depsgraph_get()))
@@ -130,24 +128,17 @@ def _add_tubes(obj, curves, radius):
             bpy.ops.object.join()
 
 
-def _material(name):
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    surface = material.node_tree.nodes["Principled BSDF"]
+def plain_material(name, color=WARM_IVORY):
+    """A smooth material of a colour, its node tree and its surface."""
+    material, surface, _ = surface_material(name)
+    surface.inputs["Base Color"].default_value = color
     surface.inputs["Roughness"].default_value = 0.45
     return material, material.node_tree, surface
 
 
-def _plain(name, color):
-    material, _, surface = _material(name)
-    surface.inputs["Base Color"].default_value = color
-    return material
-
-
 def _stripes(color, bead=0):
     """Stripes of the attribute "value", twice in a turn rounded as beads of some height."""
-    material, tree, surface = _material("Layers")
+    material, tree, surface = plain_material("Layers")
     value = tree.nodes.new("ShaderNodeAttribute")
     value.attribute_name = "value"
     wave = tree.nodes.new("ShaderNodeMath")
@@ -167,7 +158,7 @@ def _stripes(color, bead=0):
 
 def material_of_values(name, stops, bounds):
     """A material in colours between stops of the attribute "value", which lies within bounds."""
-    material, tree, surface = _material(name)
+    material, tree, surface = plain_material(name)
     value = tree.nodes.new("ShaderNodeAttribute")
     value.attribute_name = "value"
     _ramp(tree, value.outputs["Fac"], surface, stops, bounds)

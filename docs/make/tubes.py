@@ -3,8 +3,8 @@
 """Pictures of an object with lines on it, drawn as tubes."""
 
 import bpy
-import numpy as np
 
+from synch_fields.synch_addon.blender.new_geometry import add_spline
 from synch_fields.synch_addon.blender.transaction import only_for_now
 from synch_fields.synch_addon.looks.render import picture_scene, render_scene
 from synch_fields.synch_addon.nodes.canvas import surface_material
@@ -29,9 +29,7 @@ def tubes_along(lines, radius, color):
     curve = bpy.data.curves.new("Tubes", "CURVE")
     curve.dimensions, curve.bevel_depth, curve.bevel_resolution, curve.use_fill_caps = "3D", radius, 3, True
     for points in lines:
-        spline = curve.splines.new("POLY")
-        spline.points.add(len(points) - 1)
-        spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
+        add_spline(curve, points)
     material, surface, _ = surface_material("Tubes")
     surface.inputs["Base Color"].default_value = color
     curve.materials.append(material)

@@ -13,14 +13,8 @@ _ANIMATED, _REPLACES = 0x02, 0x02
 
 
 def animated(stills, size, milliseconds):
-    """The bytes of an animated file that runs for ever.
-
-    Parameters
-    ----------
-    stills : bytes of still, opaque WebP files of one size
-    size : width and height in pixels
-    milliseconds : for which each is shown
-    """
+    """The bytes of an animated file that shows still, opaque WebP files of one size (width, height) for so many
+    milliseconds each, for ever."""
     sides = b"".join(_in_three_bytes(side - 1) for side in size)
     chunks = [_chunk(b"VP8X", bytes([_ANIMATED, 0, 0, 0]) + sides), _chunk(b"ANIM", bytes(6))]
     for still, shown in zip(stills, milliseconds, strict=True):

@@ -61,14 +61,10 @@ def read_factors(obj, given, name, factor):
 
 
 def read_turns(obj, given, name, turn):
-    """(n,) radians by which directions are turned: a float attribute as it is, or a vertex group by its weights.
+    """(n,) radians by which directions are turned: a float attribute as it is, or a vertex group by its weights, where
+    a weight of 1 is ``turn`` radians.
 
     Raises SettingError when there is neither, or a value is not finite.
-
-    Parameters
-    ----------
-    obj, given, name : as of :func:`read_factors`
-    turn : radians at a vertex with weight 1 in the group
     """
     values = read_numbers(obj, name, given)
     if is_group(obj, name):

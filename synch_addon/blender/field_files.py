@@ -28,14 +28,10 @@ def check_triangles(polygons):
 
 
 def read_guide(given, path):
-    """Read a field file for the triangles of a :class:`MeshInput`.
+    """Read a field file for the triangles of a :class:`MeshInput`: its symmetry, and a function that makes the Guide on
+    the vertices.
 
-    Raises MeshError or SettingError for faces that are no triangles, and files that cannot be read.
-
-    Returns
-    -------
-    symmetry : int
-    compute : callable without arguments, makes the Guide on the vertices
+    Raises MeshError or SettingError for faces other than triangles, and files that cannot be read.
     """
     check_triangles(given.polygons)
     field = read_field(bpy.path.abspath(check_path(path)))
@@ -65,15 +61,11 @@ def import_directions(obj, path) -> str:
 
 
 def export_directions(obj, path, symmetry):
-    """Write the object's ``synch_direction`` as a field file.
+    """Write the object's ``synch_direction`` as a .rawfield or .rosy file; the symmetry says what they are: "vector",
+    "line" or "cross".
 
-    Raises MeshError or SettingError for faces that are no triangles, an object without directions, and files that
+    Raises MeshError or SettingError for faces other than triangles, an object without directions, and files that
     cannot be written.
-
-    Parameters
-    ----------
-    path : with the suffix .rawfield or .rosy
-    symmetry : "vector", "line" or "cross", what the directions are
     """
     path, number = bpy.path.abspath(check_path(path)), SYMMETRY_ORDERS[symmetry]
     check_triangles(meshes.read_polygons(obj))

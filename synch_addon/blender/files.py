@@ -19,6 +19,7 @@ from ...core.files.whole import check_writable, unwritten, write_whole
 from ...core.geometry.check import coarse_places
 from ...core.interrupts import hold_interrupts
 from ...core.memory import check_memory
+from ...core.unit_vectors import unit_vectors
 from .attributes import read_all
 from .quiet import quiet_stderr
 from .translations import operator_error
@@ -237,7 +238,6 @@ def _obj_mesh(name, data, matrix):
     if np.linalg.det(linear) < 0:
         order = np.repeat(2 * ends - sizes - 1, sizes) - order
     normals = read_all(data.corner_normals, "vector", 3, np.float32)[order] @ np.linalg.pinv(linear)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     uv = data.uv_layers.active
     return ObjMesh(
         name,
@@ -245,7 +245,7 @@ def _obj_mesh(name, data, matrix):
         read_all(data.loops, "vertex_index")[order],
         sizes,
         read_all(data.polygons, "use_smooth", 1, bool),
-        np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0),
+        unit_vectors(normals),
         None if uv is None else read_all(uv.uv, "vector", 2, np.float32)[order].astype(float),
     )
 

@@ -16,7 +16,7 @@ class _Watch:
     """Looks whether objects have been deleted."""
 
     def __init__(self):
-        self._count, self._timer, self._handler = 0, Timer(self._remove), self._look
+        self._count, self._timer, self._handler = 0, Timer(remove_left_defects), self._look
 
     def register(self):
         depsgraph_update_post.append(self._handler)
@@ -30,9 +30,6 @@ class _Watch:
         before, self._count = self._count, len(bpy.data.objects)
         if self._count < before:
             self._timer.start()
-
-    def _remove(self):
-        remove_left_defects()
 
 
 def remove_left_defects():

@@ -164,13 +164,8 @@ def _stretch(obj):
 
 
 def can_be_split(obj, faces, surface):
-    """The faces that can be split into triangles: none of these may exist as another face already.
-
-    Parameters
-    ----------
-    faces : (k,) candidates
-    surface : Polygons of the surface; a face that doubles another one there may be one of its triangles
-    """
+    """Those of (k,) faces that can be split into triangles, none of which exists as another face already; a face that
+    doubles another one in the surface's Polygons may be one of its triangles."""
     if len(faces) == 0:
         return np.array([], int)
     polygons, names = read_polygons(obj), np.arange(len(surface.starts))
@@ -213,7 +208,8 @@ def split_faces(obj, faces):
         loops = list(face.loops)
         source = {loop.vert: loop for loop in loops}
         triangles = polygons.triangle_corners[polygons.triangle_faces == index] - polygons.starts[index]
-        new = [vertices for vertices in _vertices(loops, triangles) if edited.faces.get(vertices) is None]
+        corners = [[loops[k].vert for k in triangle] for triangle in triangles]
+        new = [vertices for vertices in corners if edited.faces.get(vertices) is None]
         for vertices in new:
             triangle = edited.faces.new(vertices, face)
             for loop in triangle.loops:
@@ -225,10 +221,6 @@ def split_faces(obj, faces):
     edited.to_mesh(mesh)
     edited.free()
     return np.array(old_corners)
-
-
-def _vertices(loops, triangles):
-    return [[loops[k].vert for k in corners] for corners in triangles]
 
 
 def _keep_faces(mesh):
@@ -277,28 +269,17 @@ def triangles_of_face(given, face):
 
 def select_vertices(obj, vertices):
     """Select vertices and nothing else of a mesh in object mode, so that edit mode shows them."""
-    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
     chosen = np.zeros(len(obj.data.vertices), bool)
     chosen[vertices] = True
-    ends = read_all(obj.data.edges, "vertices", 2)
-    obj.data.vertices.foreach_set("select", chosen)
-    obj.data.edges.foreach_set("select", chosen[ends].all(axis=1))
-    obj.data.polygons.foreach_set("select", np.zeros(len(obj.data.polygons), bool))
-    obj.data.update()
+    _select(obj, (True, False, False), chosen, chosen[read_all(obj.data.edges, "vertices", 2)].all(axis=1), False)
 
 
 def select_edges(obj, pairs):
     """Select edges, by (k, 2) their ends, and nothing else of a mesh in object mode, so that edit mode shows them."""
-    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
     known, asked = (np.sort(ends, axis=1) for ends in (read_all(obj.data.edges, "vertices", 2), np.asarray(pairs)))
     names = np.unique(np.concatenate([known, asked]), axis=0, return_inverse=True)[1].reshape(-1)
-    for elements, chosen in (
-        (obj.data.vertices, np.isin(np.arange(len(obj.data.vertices)), asked)),
-        (obj.data.edges, np.isin(names[: len(known)], names[len(known) :])),
-        (obj.data.polygons, np.zeros(len(obj.data.polygons), bool)),
-    ):
-        elements.foreach_set("select", chosen)
-    obj.data.update()
+    vertices = np.isin(np.arange(len(obj.data.vertices)), asked)
+    _select(obj, (False, True, False), vertices, np.isin(names[: len(known)], names[len(known) :]), False)
 
 
 def select_faces(obj, faces):
@@ -308,12 +289,16 @@ def select_faces(obj, faces):
     """
     if max(faces, default=0) >= len(obj.data.polygons):
         raise MeshError(f"faces of {obj.name} were deleted since its defects were found: solve it again")
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
     chosen = np.zeros(len(obj.data.polygons), bool)
     chosen[list(faces)] = True
-    for elements, value in ((obj.data.vertices, False), (obj.data.edges, False)):
-        elements.foreach_set("select", np.full(len(elements), value))
-    obj.data.polygons.foreach_set("select", chosen)
+    _select(obj, (False, False, True), False, False, chosen)
+
+
+def _select(obj, mode, *chosen):
+    """Select the chosen vertices, edges and faces, each a bool or one for all, in a select mode of the three."""
+    bpy.context.tool_settings.mesh_select_mode = mode
+    for elements, is_chosen in zip((obj.data.vertices, obj.data.edges, obj.data.polygons), chosen, strict=True):
+        elements.foreach_set("select", np.broadcast_to(is_chosen, len(elements)).copy())
     obj.data.update()
 
 

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+from ...core.unit_vectors import unit_vectors
 from . import attributes, groups, schema
 from .new_geometry import new_mesh
 from .objects import SURFACE_MARK
@@ -95,15 +96,11 @@ def _mean(values, parents, weights, name):
 
 def _edge_numbers(made, pairs):
     """(e,) edges of a mesh by (e, 2) their vertices."""
-    count = len(made.data.vertices)
-    known, asked = (np.sort(ends, axis=1).astype(np.int64) for ends in (_ends(made), pairs))
+    count, ends = len(made.data.vertices), attributes.read_all(made.data.edges, "vertices", 2)
+    known, asked = (np.sort(ends, axis=1).astype(np.int64) for ends in (ends, pairs))
     known, asked = known @ [count, 1], asked @ [count, 1]
     order = np.argsort(known)
     return order[np.searchsorted(known[order], asked)]
-
-
-def _ends(obj):
-    return attributes.read_all(obj.data.edges, "vertices", 2)
 
 
 def _at_edges(values, edges, count):
@@ -123,7 +120,7 @@ def _carry_normals(source, data, bound):
     if not (source.data.has_custom_normals or is_smooth):
         return
     normals = attributes.read_all(source.data.corner_normals, "vector", 3, np.float32)
-    normals = _unit(np.einsum("ck,ckx->cx", bound.corner_weights, normals[bound.corner_parents]))
+    normals = unit_vectors(np.einsum("ck,ckx->cx", bound.corner_weights, normals[bound.corner_parents]))
     if bound.welded and not source.data.has_custom_normals:
         normals = _join_normals(normals, bound.corner_vertices)
     data.normals_split_custom_set(normals.tolist())
@@ -133,12 +130,7 @@ def _join_normals(normals, vertices):
     """Normals of corners, one at each vertex where they differ little: Blender marks edges between others as sharp."""
     means = np.zeros((vertices.max() + 1, 3))
     np.add.at(means, vertices, normals)
-    means = _unit(means)[vertices]
+    means = unit_vectors(means)[vertices]
     least = np.ones(len(means))
     np.minimum.at(least, vertices, np.einsum("cx,cx->c", normals, means))
     return np.where(least[vertices, None] > _ALIKE, means, normals)
-
-
-def _unit(vectors):
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)

@@ -49,12 +49,9 @@ def register_handlers(*handlers):
 
 
 def register_all(classes, *kept):
-    """The functions that register classes and take them out again.
+    """The functions that register classes of bpy.types, a property group before what uses it, and take them out again.
 
-    Parameters
-    ----------
-    classes : of bpy.types, a property group before what uses it
-    kept : (owner, name, group) for each property group that data of a type keeps, such as bpy.types.Object
+    ``kept`` are (owner, name, group) for each property group that data of a type keeps, such as bpy.types.Object.
     """
     properties = [
         (partial(setattr, owner, name, PointerProperty(type=group)), partial(delattr, owner, name))

@@ -13,7 +13,6 @@ class Made(NamedTuple):
 
     Attributes
     ----------
-    report : dict
     lines : of text to print; those of warnings and files are added
     written : paths of files
     shown : bpy.types.Object of the picture, where one is asked for

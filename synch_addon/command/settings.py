@@ -17,14 +17,9 @@ _SEVERAL = {tuple[float, float, float]: ("X", "Y", "Z"), tuple[int, int]: ("FIRS
 
 
 def add_settings(command, kind, name, **defaults):
-    """Add a flag for each setting of a group that a command has.
+    """Add a flag to a command's parser for each setting of a group, a class of settings, that the named command has.
 
-    Parameters
-    ----------
-    command : parser of the command
-    kind : class of the settings
-    name : of the command
-    defaults : of flags whose default is not that of the setting, by the setting's name
+    ``defaults`` are those of flags whose default is not that of the setting, by the setting's name.
     """
     for setting, record in records(kind):
         if name in record.commands:

@@ -18,14 +18,10 @@ from .report import report_of, result_line
 
 
 def finish(solved, filled, objects, start):
-    """Keep the solve that objects have just been filled with, for :func:`choose_point`; returns the report.
+    """Keep the solve that objects, the last one active, have just been filled with, for :func:`choose_point`; returns
+    the report.
 
-    Parameters
-    ----------
-    solved : SolvedFlow
-    filled : Filled
-    objects : those of its objects that are there, the last one active
-    start : when the run began, by ``time.perf_counter``
+    The run began at ``start``, by ``time.perf_counter``.
     """
     solved = replace(solved, fill=filled.fill)
     report = report_of(solved, filled, objects, start)

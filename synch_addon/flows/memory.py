@@ -19,8 +19,6 @@ class SolvedFlow:
     Attributes
     ----------
     name : of what the flow was read from
-    settings : FlowSettings
-    result : FlowResult
     fill : callable(result, settings, objects) that shows a result in the objects and returns the :class:`Filled`
     objects : session numbers of all that show it
     sources : names of the objects that the flow was read from

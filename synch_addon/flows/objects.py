@@ -64,13 +64,8 @@ def write_sphere(obj, points):
 
 
 def present(objects, selection):
-    """Put new objects into the scene, and select them, the last one active, unless another object is active by now.
-
-    Parameters
-    ----------
-    objects : list
-    selection : Selection at the time when the flow was read
-    """
+    """Put new objects into the scene, and select them, the last one active, unless another object is active by now than
+    in the :class:`Selection` at the time when the flow was read."""
     for made in objects:
         bpy.context.scene.collection.objects.link(made)
     selection.give_to(objects)

@@ -11,6 +11,7 @@ from ...core.errors import SettingError
 from ...core.extract.vortices.filaments import vortices
 from ...core.interpolate import EdgePhases
 from ...core.tasks.flows import SurfaceFlowRequest
+from ...core.unit_vectors import unit_vectors
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import DefectEmpty, write_defects
 from ..blender.objects import Selection
@@ -82,8 +83,7 @@ def _write_vortices(obj, given, shown, period):
     polygons = given.polygons
     faces = meshes.faces_of_triangles(polygons, given.mesh.triangles[triangles])
     attributes.write(obj, schema.STRENGTH, np.bincount(faces, strengths, len(polygons.starts)))
-    normals = given.mesh.face_normals[triangles] @ given.stretch  # they go the other way round than points
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit_vectors(given.mesh.face_normals[triangles] @ given.stretch)  # the other way round than points
     numbers = shown.face_numbers[triangles]
     records = zip(faces, numbers, places @ np.linalg.inv(given.stretch), normals, strict=True)
     found = [

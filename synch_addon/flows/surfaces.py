@@ -24,7 +24,6 @@ class SurfaceFlow:
     Attributes
     ----------
     name : of the object, or of the file of a plane
-    given : MeshInput
     velocity : (n, 3) at the vertices
     link : ObjectLink, None for a plane, whose object is made when it is written to
     warnings : lines that the user should read
@@ -38,13 +37,8 @@ class SurfaceFlow:
 
 
 def surface_flow(source, attribute, strict=False):
-    """The :class:`SurfaceFlow` of a mesh object with faces or of a .npz file with a plane; None for other sources.
-
-    Parameters
-    ----------
-    source : path, object, or list of objects
-    attribute : vector attribute on the vertices of a mesh
-    strict : refuse a mesh that is no surface as it is
+    """The :class:`SurfaceFlow` of a mesh object with faces, by a vector attribute on its vertices, or of a .npz file
+    with a plane; None for other sources. Where ``strict``, a mesh that is not manifold is refused instead of repaired.
     """
     if isinstance(source, str | Path):
         path = Path(source)

@@ -32,7 +32,7 @@ from ..blender.schema import BARYCENTRIC, DIRECTION, SINGULARITY
 from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from ..jobs.report import Report
-from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree
+from ..nodes.canvas import GeometryCanvas, Socket, add_modifier, group_tree
 from ..nodes.materials import pattern_material
 from ..patterns import frame_attributes, memory, numbers, own_surface, write
 from ..reading.surface import gather, settings_for
@@ -301,11 +301,9 @@ def _frames_group(kind):
     tree.is_modifier = True
     with canvas.band("Frame"):
         inputs = canvas.inputs()
-        time = canvas.node("GeometryNodeInputSceneTime", 0)
-        frame = canvas.math("ROUND", Expression(canvas, time.outputs["Frame"], 0))
+        frame = canvas.math("ROUND", canvas.value("GeometryNodeInputSceneTime", "Frame"))
         frame = frame.maximum(inputs["First"]).minimum(inputs["Last"]).named("frame")
-        text = canvas.node("FunctionNodeValueToString", 4, "frame", inputs={"Value": frame, "Decimals": 0})
-        text = Expression(canvas, text.outputs["String"], 4)
+        text = canvas.value("FunctionNodeValueToString", "String", "frame", {"Value": frame, "Decimals": 0})
     geometry = inputs["Geometry"]
     for name, (domain, data_type) in frame_attributes.frame_layout(kind).items():
         with canvas.band(name):
@@ -317,11 +315,10 @@ def _frames_group(kind):
 def _stored(canvas, geometry, text, name, domain, data_type):
     """The geometry with a frame's attribute under its plain name; one that is missing is zero."""
     replaced = {"String": frame_attributes.frame_name(name, "#"), "Find": "#", "Replace": text}
-    of_frame = canvas.node("FunctionNodeReplaceString", 6, f"{name} of frame", inputs=replaced)
+    of_frame = canvas.value("FunctionNodeReplaceString", "String", f"{name} of frame", replaced)
     read_type = "FLOAT_VECTOR" if data_type == "FLOAT2" else data_type  # two numbers are read as a vector
-    read = canvas.node("GeometryNodeInputNamedAttribute", 7, data_type=read_type)
-    canvas.connect(Expression(canvas, of_frame.outputs["String"], 6), read.inputs["Name"])
-    return canvas.stored(geometry, name, (domain, data_type), Expression(canvas, read.outputs["Attribute"], 7), 8)
+    read = canvas.value("GeometryNodeInputNamedAttribute", "Attribute", "", {"Name": of_frame}, data_type=read_type)
+    return canvas.stored(geometry, name, (domain, data_type), read)
 
 
 def _add_frames(obj, kind, first, last):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was computed, kept while a file is open."""
+"""Caches of computed values, for as long as a file is open."""
 
 import bpy
 
@@ -7,9 +7,9 @@ from ...core.errors import SynchError
 
 
 class LruCache:
-    """What was computed, the latest of it, by keys that undo does not change.
+    """The latest values by keys that undo does not change.
 
-    All shelves are emptied when another file is opened, and when the extension is taken out.
+    All caches are emptied when another file is opened, and when the extension is taken out.
     """
 
     _all: list["LruCache"] = []
@@ -19,66 +19,56 @@ class LruCache:
         self._all.append(self)
 
     def put(self, key, value):
-        """Keep something, in place of what there was, which stays where this fails."""
+        """Store a value, replacing the old one."""
         kept = {other: found for other, found in self._kept.items() if other != key} | {key: value}
         self._kept = dict(list(kept.items())[-self.most :])
 
     def get(self, key):
-        """What is kept, or None."""
+        """The value of a key, or None."""
         return self._kept.get(key)
 
     def drop(self, key):
-        """Keep it no longer."""
+        """Remove the value of a key."""
         self._kept.pop(key, None)
 
     def renewed(self, key, state, make):
-        """What ``make()`` gives in a state, kept until it is asked for in another."""
+        """The result of ``make()`` in a state, stored until it is asked for in another state."""
         if key not in self._kept or self._kept[key][0] != state:
             self.put(key, (state, make()))
         return self._kept[key][1]
 
     def clear(self):
-        """Keep nothing."""
+        """Remove all values."""
         self._kept.clear()
 
     @classmethod
     def clear_all(cls):
-        """Keep nothing on any shelf."""
-        for shelf in cls._all:
-            shelf.clear()
+        """Remove the values of all caches."""
+        for cache in cls._all:
+            cache.clear()
 
 
-class ObjectCache:
-    """A shelf with a place for each object.
+class ObjectCache(LruCache):
+    """The values of the latest objects."""
 
-    ``most``: objects, the latest ones.
-    """
-
-    def __init__(self, most):
-        self._shelf = LruCache(most)
-
-    def put(self, obj, solved):
-        """Keep something for an object, in place of what there was."""
-        self._shelf.put(obj.session_uid, solved)
+    def put(self, obj, value):
+        """Store the value of an object, replacing the old one."""
+        super().put(obj.session_uid, value)
 
     def get(self, obj):
-        """What is kept for an object. Raises SynchError where there is nothing."""
+        """The value of an object. Raises SynchError where there is none."""
         if not self.holds(obj):
-            kept = f"kept for the last {self._shelf.most} objects while the file is open"
+            kept = f"kept for the last {self.most} objects while the file is open"
             raise SynchError(f"{obj.name} has no solve in memory ({kept}): solve it first")
-        return self._shelf.get(obj.session_uid)
+        return super().get(obj.session_uid)
 
     def drop(self, obj):
-        """Keep it no longer."""
-        self._shelf.drop(obj.session_uid)
-
-    def clear(self):
-        """Keep nothing."""
-        self._shelf.clear()
+        """Remove the value of an object."""
+        super().drop(obj.session_uid)
 
     def holds(self, obj):
-        """Whether anything is kept for an object."""
-        return obj is not None and self._shelf.get(obj.session_uid) is not None
+        """Whether an object has a value."""
+        return obj is not None and super().get(obj.session_uid) is not None
 
 
 @bpy.app.handlers.persistent

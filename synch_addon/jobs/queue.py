@@ -64,7 +64,7 @@ class Work:
             self._expect(self.job.seconds)
 
     def advance(self):
-        """Do pieces of it, which need Blender, for a moment; what goes wrong is its error."""
+        """Run the job's steps in Blender within the time budget; an error ends the work."""
         end = time.monotonic() + self.job.at_once
         try:
             while (piece := self.job.advance()) is not None and time.monotonic() < end:
@@ -221,7 +221,7 @@ class Queue:
         return self.running is not None and self.running.holds_window
 
     def advance(self):
-        """Do what can be done now, which is little: a piece, or a look at what the worker says."""
+        """Run some steps of the job in Blender, or read the messages of the worker."""
         work = self.running
         if work is None:
             return
@@ -252,7 +252,8 @@ class Queue:
             self._worker.tell(("keep",))
 
     def end(self, work):
-        """End what a job has begun; unlike :meth:`cancel` this keeps the worker, and takes until it hears of it."""
+        """Ask the worker to end a job; unlike :meth:`cancel`, this keeps the worker, and takes until it reads the
+        message."""
         if self._asked is work:
             self._worker.tell(("end",))
 

@@ -112,13 +112,8 @@ class Report:
         }
 
     def closing_entries(self, solutions, settings):
-        """The last entries of the report.
-
-        Parameters
-        ----------
-        solutions : solutions of the solves, None for directions that were given
-        settings : dict of settings to report in place of those of the run
-        """
+        """The last entries of the report, for solutions of the solves, None for directions that were given, and a dict
+        of settings that replace those of the run."""
         clock = Clock()
         for times in [self.clock.seconds, *(solution.times for solution in solutions if solution)]:
             clock.add(times)
@@ -158,15 +153,8 @@ class Report:
 
 
 def ending(settings, times, start, warnings):
-    """The last entries of the report of every run.
-
-    Parameters
-    ----------
-    settings : dict of the settings
-    times : seconds of the parts of the work, by their names
-    start : when the run began, by ``time.perf_counter``
-    warnings : list of lines
-    """
+    """The last entries of the report of every run: the dict of its settings, the seconds of its parts by name, the
+    seconds since its start, by ``time.perf_counter``, and the lines of warnings."""
     return {
         "times": times | {"total": time.perf_counter() - start},
         "peak_memory_mb": peak_megabytes(),

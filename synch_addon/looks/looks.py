@@ -5,7 +5,6 @@ Lengths are in spacings, so that a look is the same on objects of any size. Irre
 object's space, which goes with it.
 """
 
-from ..nodes.canvas import Expression
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
 
@@ -20,17 +19,14 @@ class _Texture:
         self.canvas = canvas
         (spacing,) = canvas.attribute(spacing_attribute, "Fac")
         spacing.socket.node.attribute_type = "OBJECT"
-        places = canvas.node("ShaderNodeTexCoord", 0, "Place")
-        places = Expression(canvas, places.outputs["Object"], 0)
-        scale = canvas.math("DIVIDE", 1.0, spacing)
-        node = canvas.node("ShaderNodeVectorMath", 2, "in spacings", {0: places, "Scale": scale}, operation="SCALE")
-        self._places = Expression(canvas, node.outputs["Vector"], 2)
+        places = canvas.value("ShaderNodeTexCoord", "Object", "Place")
+        values = {0: places, "Scale": canvas.math("DIVIDE", 1.0, spacing)}
+        self._places = canvas.value("ShaderNodeVectorMath", "Vector", "in spacings", values, operation="SCALE")
 
     def noise(self, scale, detail=2.0, distortion=0.0):
         """Noise with a mean of 0, mostly between -1 and 1, that changes `scale` times in a spacing."""
         inputs = {"Vector": self._places, "Scale": scale, "Detail": detail, "Distortion": distortion}
-        node = self.canvas.node("ShaderNodeTexNoise", 3, f"noise {scale:g}", inputs, noise_dimensions="3D")
-        value = Expression(self.canvas, node.outputs[0], 3)
+        value = self.canvas.value("ShaderNodeTexNoise", 0, f"noise {scale:g}", inputs, noise_dimensions="3D")
         return (value - 0.5) * 3.0
 
 
@@ -74,10 +70,8 @@ def corduroy(canvas, group):
 def wood_cut(canvas, group):
     """Ink on paper: lines that swell in the shade and end in the light."""
     texture = _Texture(canvas)
-    normal = Expression(canvas, canvas.node("ShaderNodeNewGeometry", 0, "Surface").outputs["Normal"], 0)
-    inputs = {0: normal, 1: _DRAWN_LIGHT}
-    light = canvas.node("ShaderNodeVectorMath", 1, "light", inputs, operation="DOT_PRODUCT")
-    light = Expression(canvas, light.outputs["Value"], 1)
+    inputs = {0: canvas.value("ShaderNodeNewGeometry", "Normal", "Surface"), 1: _DRAWN_LIGHT}
+    light = canvas.value("ShaderNodeVectorMath", "Value", "light", inputs, operation="DOT_PRODUCT")
     shade = (0.62 - light * 0.62 + texture.noise(0.9) * 0.05 + texture.noise(5.0) * 0.035).named("shade")
     width = shade.maximum(0.0).minimum(0.9)
     pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("square"), "Width": width, "Softness": 0.05})

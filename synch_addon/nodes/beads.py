@@ -45,27 +45,19 @@ def beads_group():
     inputs = canvas.inputs()
     printed, begin, end = (canvas.attribute(name, "Fac")[0] for name in (PRINTED, BEGIN, END))
     time = inputs[SLIDER]
-    node = canvas.node("GeometryNodeCollectionInfo", 1, "tubes", {"Collection": inputs["Tubes"]})
-    node.inputs["Separate Children"].default_value = True
+    values = {"Collection": inputs["Tubes"], "Separate Children": True}
+    tubes = canvas.value("GeometryNodeCollectionInfo", "Instances", "tubes", values)
     is_begun = (begin < time).named("begun?")
-    values = {
-        "Points": inputs["Geometry"],
-        "Selection": is_begun,
-        "Instance": Expression(canvas, node.outputs["Instances"], 1),
-    }
-    node = canvas.node("GeometryNodeInstanceOnPoints", 2, "", values)
-    node.inputs["Pick Instance"].default_value = True
-    values = {"Geometry": Expression(canvas, node.outputs["Instances"], 2), "Selection": (end > time).named("cut?")}
+    values = {"Points": inputs["Geometry"], "Selection": is_begun, "Instance": tubes, "Pick Instance": True}
+    begun = canvas.value("GeometryNodeInstanceOnPoints", "Instances", "", values)
+    values = {"Geometry": begun, "Selection": (end > time).named("cut?")}
     parted = canvas.node("GeometryNodeSeparateGeometry", 3, "", values, domain="INSTANCE")
-    values = {"Geometry": Expression(canvas, parted.outputs["Selection"], 3)}
-    node = canvas.node("GeometryNodeRealizeInstances", 4, "", values)
-    values = {
-        "Geometry": Expression(canvas, node.outputs["Geometry"], 4),
-        "Selection": (printed > time).named("later?"),
-    }
-    node = canvas.node("GeometryNodeDeleteGeometry", 5, "", values, domain="POINT")
+    cut, whole = (Expression(canvas, parted.outputs[name], 3) for name in ("Selection", "Inverted"))
+    cut = canvas.value("GeometryNodeRealizeInstances", "Geometry", "", {"Geometry": cut})
+    values = {"Geometry": cut, "Selection": (printed > time).named("later?")}
+    cut = canvas.value("GeometryNodeDeleteGeometry", "Geometry", "", values, domain="POINT")
     joined = canvas.node("GeometryNodeJoinGeometry", 6)
-    for part in (parted.outputs["Inverted"], node.outputs["Geometry"]):
-        canvas.connect(Expression(canvas, part, 5), joined.inputs["Geometry"])
+    for part in (whole, cut):
+        canvas.connect(part, joined.inputs["Geometry"])
     canvas.outputs(Geometry=Expression(canvas, joined.outputs["Geometry"], 6))
     return tree

@@ -30,36 +30,33 @@ def bound_surface_group() -> bpy.types.GeometryNodeTree:
         inputs = canvas.inputs()
         place = _place(canvas, inputs["Geometry"])
     with canvas.band("Surface"):
-        node = canvas.node("GeometryNodeObjectInfo", 1, "surface", {"Object": inputs["Surface"]})
-        surface = Expression(canvas, node.outputs["Geometry"], 1)
-        node = canvas.node(
-            "GeometryNodeSetPosition", place.depth + 1, "bound", {"Geometry": surface, "Position": place}
-        )
-        bound = Expression(canvas, node.outputs["Geometry"], place.depth + 1)
-        size = canvas.node("GeometryNodeAttributeDomainSize", 1, "", {"Geometry": inputs["Geometry"]}, component="MESH")
-        test = {"A": Expression(canvas, size.outputs["Point Count"], 1), "B": inputs["Vertices"]}
+        faces = inputs["Geometry"]
+        surface = canvas.value("GeometryNodeObjectInfo", "Geometry", "surface", {"Object": inputs["Surface"]})
+        values = {"Geometry": surface, "Position": place}
+        bound = canvas.value("GeometryNodeSetPosition", "Geometry", "bound", values)
+        values = {"Geometry": faces}
+        count = canvas.value("GeometryNodeAttributeDomainSize", "Point Count", "", values, component="MESH")
+        numbers = {"A": count, "B": inputs["Vertices"]}
         node = canvas.node("FunctionNodeCompare", 2, "fits?", data_type="INT", operation="EQUAL")
-        for socket in node.inputs:
-            if socket.enabled and socket.name in test:
-                canvas.connect(test[socket.name], socket)
-        fits = Expression(canvas, node.outputs["Result"], 2)
-        values = {"Switch": fits, "False": inputs["Geometry"], "True": bound}
-        depth = bound.depth + 1
-        node = canvas.node("GeometryNodeSwitch", depth, "fits?", values, input_type="GEOMETRY")
-        canvas.outputs(Geometry=Expression(canvas, node.outputs["Output"], depth))
+        for socket in node.inputs:  # some versions keep those of all data types, with the same names
+            if socket.enabled and socket.name in numbers:
+                canvas.connect(numbers[socket.name], socket)
+        values = {"Switch": Expression(canvas, node.outputs["Result"], 2), "False": faces, "True": bound}
+        shown = canvas.value("GeometryNodeSwitch", "Output", "fits?", values, input_type="GEOMETRY")
+        canvas.outputs(Geometry=shown)
     return tree
 
 
 def _place(canvas, geometry):
     """The weighted mean of the places of three vertices of a geometry."""
     (weights,) = canvas.attribute(WEIGHTS.name, "Vector")
-    place = Expression(canvas, canvas.node("GeometryNodeInputPosition", 0).outputs["Position"], 0)
+    place = canvas.value("GeometryNodeInputPosition", "Position")
     total = None
     for parent, weight in zip(PARENTS, canvas.separate(weights), strict=True):
-        index = canvas.node("GeometryNodeInputNamedAttribute", 0, parent.name, {"Name": parent.name}, data_type="INT")
-        index = Expression(canvas, index.outputs["Attribute"], 0)
+        name = parent.name
+        index = canvas.value("GeometryNodeInputNamedAttribute", "Attribute", name, {"Name": name}, data_type="INT")
         inputs = {"Geometry": geometry, "Value": place, "Index": index}
-        node = canvas.node("GeometryNodeSampleIndex", 1, "", inputs, data_type="FLOAT_VECTOR", domain="POINT")
-        part = canvas.vector("SCALE", Expression(canvas, node.outputs["Value"], 1), Scale=weight)
+        of_one = canvas.value("GeometryNodeSampleIndex", "Value", "", inputs, data_type="FLOAT_VECTOR", domain="POINT")
+        part = canvas.vector("SCALE", of_one, Scale=weight)
         total = part if total is None else canvas.vector("ADD", total, part)
     return total

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import bpy
 
-from ..blender.modifiers import input_value
+from ..blender.modifiers import input_property, input_value
 from ..blender.transaction import keep, undone_by
 
 _STAMP = "synch_stamp"
@@ -147,18 +147,10 @@ class Canvas:
 
     def noise(self, value):
         """A number from 0 to 1 for a whole number: the same for the same one, nothing alike for others."""
-        node = self.place("ShaderNodeTexWhiteNoise", value.depth + 1, "random", rows=3)
-        node.noise_dimensions = "1D"
-        self.connect(value, node.inputs["W"])
-        return Expression(self, node.outputs["Value"], value.depth + 1)
+        return self.value("ShaderNodeTexWhiteNoise", "Value", "random", {"W": value}, noise_dimensions="1D")
 
     def color_mix(self, factor, first, second):
-        depth = max(value.depth for value in (factor, first, second) if isinstance(value, Expression)) + 1
-        node = self.place("ShaderNodeMix", depth, "Color", rows=5)
-        node.data_type = "RGBA"
-        for value, index in ((factor, 0), (first, 6), (second, 7)):
-            self.connect(value, node.inputs[index])
-        return Expression(self, node.outputs[2], depth)
+        return self.value("ShaderNodeMix", 2, "Color", {0: factor, 6: first, 7: second}, data_type="RGBA")
 
     def node(self, type_name, depth, label="", inputs=(), **settings):
         """Add a node with these settings and values of its inputs, by their names."""
@@ -168,6 +160,11 @@ class Canvas:
         for name, value in dict(inputs).items():
             self.connect(value, node.inputs[name])
         return node
+
+    def value(self, type_name, output, label="", inputs=(), **settings):
+        """An output of a new node, which stands one column after what its inputs come from."""
+        depth = 1 + max((value.depth for value in dict(inputs).values() if isinstance(value, Expression)), default=-1)
+        return Expression(self, self.node(type_name, depth, label, inputs, **settings).outputs[output], depth)
 
     def group(self, tree, depth=0, inputs=()):
         """Use another node group with these values of its inputs; its outputs as expressions by name."""
@@ -310,23 +307,19 @@ class GeometryCanvas(Canvas):
     def vector(self, operation, *operands, **inputs):
         """A vector of vectors, by an operation of the Vector Math node; ``inputs`` are others of its inputs."""
         values = dict(enumerate(operands)) | inputs
-        depth = max(value.depth for value in values.values() if isinstance(value, Expression)) + 1
-        node = self.node("ShaderNodeVectorMath", depth, "", values, operation=operation)
-        return Expression(self, node.outputs["Vector"], depth)
+        return self.value("ShaderNodeVectorMath", "Vector", "", values, operation=operation)
 
-    def stored(self, geometry, name, layout, value, depth):
+    def stored(self, geometry, name, layout, value):
         """The geometry with a value as an attribute of a layout, domain and type."""
         domain, data_type = layout
         inputs = {"Geometry": geometry, "Name": name, "Value": value}
-        node = self.node("GeometryNodeStoreNamedAttribute", depth, name, inputs, data_type=data_type, domain=domain)
-        return Expression(self, node.outputs["Geometry"], depth)
+        settings = {"data_type": data_type, "domain": domain}
+        return self.value("GeometryNodeStoreNamedAttribute", "Geometry", name, inputs, **settings)
 
     def on_corners(self, value):
         """A number evaluated at the corners of faces, whatever it is used on."""
-        node = self.place("GeometryNodeFieldOnDomain", value.depth + 1, "on corners", rows=3)
-        node.data_type, node.domain = "FLOAT", "CORNER"
-        self.connect(value, node.inputs["Value"])
-        return Expression(self, node.outputs["Value"], value.depth + 1)
+        settings = {"data_type": "FLOAT", "domain": "CORNER"}
+        return self.value("GeometryNodeFieldOnDomain", "Value", "on corners", {"Value": value}, **settings)
 
 
 def set_inputs(modifier, values):
@@ -347,10 +340,10 @@ def add_modifier(obj, group, values):
 
 
 def _set_values(modifier, values):
-    for key, value in values.items():
-        identifier = modifier.node_group.interface.items_tree[key].identifier
-        if hasattr(modifier, "properties"):  # from 5.2 on
-            getattr(modifier.properties.inputs, identifier).value = value
+    for name, value in values.items():
+        holder, key = input_property(modifier, name)
+        if key == "value":
+            holder.value = value
         else:
-            modifier[identifier] = value
+            holder[key[2:-2]] = value
     modifier.id_data.update_tag()

@@ -9,7 +9,7 @@ import math
 import bpy
 
 from ..blender import schema
-from .canvas import Expression, Socket, group_tree
+from .canvas import Socket, group_tree
 
 GLOBE_NAME = "Synch Globe"
 SPHERE = schema.SPHERE.name
@@ -43,10 +43,12 @@ def globe_group() -> bpy.types.ShaderNodeTree:
     with canvas.band("Point of the sphere"):
         inputs = canvas.inputs()
         (point,) = canvas.attribute(SPHERE, "Vector")
-        point = _normalized(canvas, point)
+        point = canvas.value("ShaderNodeVectorMath", 0, "unit", {0: point}, operation="NORMALIZE")
         x, y, z = canvas.separate(point)
     with canvas.band("Continents"):
-        height = ((_noise(canvas, point) - _SHORE) * 9.0).named("above the sea")
+        values = {"Vector": point, "Scale": _SCALE, "Detail": _DETAIL, "Roughness": _ROUGHNESS}
+        noise = canvas.value("ShaderNodeTexNoise", 0, "continents", values)
+        height = ((noise - _SHORE) * 9.0).named("above the sea")
         land = (height * 14.0 + 0.5).clamped().named("land")
         sea_color = canvas.color_mix((height * 2.2 + 1.0).clamped(), inputs["Sea"], inputs["Shallows"])
         land_color = canvas.color_mix((height * 1.1).clamped(), inputs["Lowland"], inputs["Highland"])
@@ -62,21 +64,6 @@ def globe_group() -> bpy.types.ShaderNodeTree:
         shade = (lines * inputs["Lines"]).named("lines")
         canvas.outputs(Color=canvas.color_mix(shade, color, inputs["Ice"]), Height=(height * land).clamped())
     return tree
-
-
-def _normalized(canvas, vector):
-    node = canvas.place("ShaderNodeVectorMath", vector.depth + 1, "unit")
-    node.operation = "NORMALIZE"
-    canvas.connect(vector, node.inputs[0])
-    return Expression(canvas, node.outputs[0], vector.depth + 1)
-
-
-def _noise(canvas, point):
-    node = canvas.place("ShaderNodeTexNoise", point.depth + 1, "continents", rows=4)
-    for name, value in (("Scale", _SCALE), ("Detail", _DETAIL), ("Roughness", _ROUGHNESS)):
-        node.inputs[name].default_value = value
-    canvas.connect(point, node.inputs["Vector"])
-    return Expression(canvas, node.outputs[0], point.depth + 1)
 
 
 def _line(angle, width, stretch):

@@ -62,19 +62,16 @@ def open_layers_group():
     inputs = canvas.inputs()
     (layer,) = canvas.attribute(LAYER.name, "Fac")
     values = {"Geometry": inputs["Geometry"], 2: layer}
-    node = canvas.node("GeometryNodeAttributeStatistic", 1, "layers", values, data_type="FLOAT", domain="FACE")
-    last = Expression(canvas, node.outputs["Max"], 1)
+    last = canvas.value("GeometryNodeAttributeStatistic", "Max", "layers", values, data_type="FLOAT", domain="FACE")
     box = canvas.node("GeometryNodeBoundBox", 1, "", {"Geometry": inputs["Geometry"]})
     low, high = (canvas.separate(Expression(canvas, box.outputs[side], 1))[0] for side in ("Min", "Max"))
-    position = Expression(canvas, canvas.node("GeometryNodeInputPosition", 0).outputs["Position"], 0)
-    x, _, _ = canvas.separate(position)
+    x, _, _ = canvas.separate(canvas.value("GeometryNodeInputPosition", "Position"))
     # A little more than nothing, so that nothing goes where both are 0.
     is_cut = (x > high - (high - low) * (inputs["Cut Open"] - 1e-4)).named("cut away?")
     is_peeled = (layer > last - (last + 1.0) * inputs["Peel"] + 1e-3).named("peeled?")
     gone = is_cut.maximum(is_peeled)
     values = {"Geometry": inputs["Geometry"], "Selection": gone}
-    node = canvas.node("GeometryNodeDeleteGeometry", gone.depth + 1, "", values, domain="FACE")
-    canvas.outputs(Geometry=Expression(canvas, node.outputs["Geometry"], gone.depth + 1))
+    canvas.outputs(Geometry=canvas.value("GeometryNodeDeleteGeometry", "Geometry", "", values, domain="FACE"))
     return tree
 
 
@@ -119,8 +116,7 @@ def layers_group():
     height = (layer / (total - 1.0).maximum(1.0)).named("height")
     odd = (layer.ping_pong(1.0)).named("odd?")
     shade = (1.0 - odd * inputs["Alternate"]).named("shade")
-    place = canvas.place("ShaderNodeTexCoord", 0, "place in the object's box")
-    x, _, _ = canvas.separate(Expression(canvas, place.outputs["Generated"], 0))
+    x, _, _ = canvas.separate(canvas.value("ShaderNodeTexCoord", "Generated", "place in the object's box"))
     visible = (x < 1.0 - inputs["Cut"] + 1e-4).named("kept?")
     canvas.outputs(Height=height, Shade=shade, Visible=visible)
     return tree

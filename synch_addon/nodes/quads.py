@@ -57,7 +57,7 @@ class _Shape(NamedTuple):
 def quads_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Quads", built when missing and rebuilt in place when outdated."""
     tree, canvas = group_tree(QUADS_NAME, f"{VERSION}", _INPUTS, _OUTPUTS)
-    phase_trees = phase_groups("Synch Phase", Canvas)
+    phase_trees = phase_groups("quads", "Synch Phase", Canvas)
     if canvas is None:
         return tree
     with canvas.band("Phases"):
@@ -89,8 +89,10 @@ def profile_shapes(canvas, x, y, pattern, width):
     return grid, checker, weave, dots
 
 
-def phase_groups(name, canvas_type):
-    """The groups that evaluate both phases, their names with X and Y, of a canvas's kind."""
+def phase_groups(kind, name, canvas_type):
+    """The node group for the phase of stripes, or those for both phases of quads."""
+    if kind == "stripes":
+        return [phase_group(name, canvas_type=canvas_type)]
     return [phase_group(f"{name} {'XY'[k]}", phase, k, canvas_type) for k, phase in enumerate(PHASES["quads"])]
 
 

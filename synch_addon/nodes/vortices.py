@@ -10,7 +10,7 @@ import bpy
 
 from ..blender import schema
 from ..blender.modifiers import FILAMENTS
-from .canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, surface_material
+from .canvas import GeometryCanvas, Socket, add_modifier, group_tree, surface_material
 from .globe import SPHERE, globe_group
 
 TUBES_NAME = "Synch Tubes"
@@ -56,7 +56,8 @@ def tubes_group() -> bpy.types.ShaderNodeTree:
         latitude = canvas.math("ARCSINE", z.minimum(1.0).maximum(-1.0))
         band = ((latitude / (math.pi / 6)).ping_pong(1.0) > 0.5).named("band")
         value = ((z * 0.16 + 0.5) * (1.0 - band * 0.2)).named("value")
-        wheel = _hue(canvas, hue, inputs["Saturation"], value)
+        parts = dict(enumerate((hue, inputs["Saturation"], value)))
+        wheel = canvas.value("ShaderNodeCombineColor", 0, "hue", parts, mode="HSV")
     with canvas.band("Chosen"):
         color = canvas.color_mix(inputs["Wheel"], globe["Color"], wheel)
         canvas.outputs(Color=color, Height=globe["Height"] * (1.0 - inputs["Wheel"]))
@@ -74,49 +75,32 @@ def filaments_group() -> bpy.types.GeometryNodeTree:
     tree.is_modifier = True
     with canvas.band("How many lie on each other"):
         inputs = canvas.inputs()
-        given = canvas.node("GeometryNodeInputRadius", 0)
-        root = Expression(canvas, given.outputs["Radius"], 0)
+        root = canvas.value("GeometryNodeInputRadius", "Radius")
         number = (root * root).named("number")
         strength = (number * inputs["Circulation"]).named("strength")
         share = ((number - 1.0) / (inputs["Many"] - 1.0).maximum(1e-6)).clamped()
         color = canvas.color_mix(share, inputs["Color"], inputs["Strongest"])
     with canvas.band("Attributes"):
-        curves = canvas.stored(inputs["Geometry"], STRENGTH, ("POINT", "FLOAT"), strength, strength.depth + 1)
-        depth = max(curves.depth, color.depth) + 1
-        curves = canvas.stored(curves, COLOR, schema.COLOR.layout, color, depth)
+        curves = canvas.stored(inputs["Geometry"], STRENGTH, ("POINT", "FLOAT"), strength)
+        curves = canvas.stored(curves, COLOR, schema.COLOR.layout, color)
     with canvas.band("Tubes"):
         tubes = _around(canvas, curves, (inputs["Radius"] * root).named("radius"), inputs["Sides"])
-        smooth = canvas.node("GeometryNodeSetShadeSmooth", tubes.depth + 1, inputs={0: tubes})
-        smooth = Expression(canvas, smooth.outputs[0], tubes.depth + 1)
-        painted = canvas.node(
-            "GeometryNodeSetMaterial", smooth.depth + 1, inputs={"Geometry": smooth, "Material": inputs["Material"]}
-        )
-        canvas.outputs(Geometry=Expression(canvas, painted.outputs[0], smooth.depth + 1))
+        smooth = canvas.value("GeometryNodeSetShadeSmooth", 0, "", {0: tubes})
+        values = {"Geometry": smooth, "Material": inputs["Material"]}
+        canvas.outputs(Geometry=canvas.value("GeometryNodeSetMaterial", 0, "", values))
     return tree
-
-
-def _hue(canvas, hue, saturation, value):
-    depth = max(hue.depth, value.depth) + 1
-    node = canvas.place("ShaderNodeCombineColor", depth, "hue", rows=4)
-    node.mode = "HSV"
-    for socket, part in zip(node.inputs, (hue, saturation, value), strict=True):
-        canvas.connect(part, socket)
-    return Expression(canvas, node.outputs[0], depth)
 
 
 def _around(canvas, curves, radius, sides):
     """Tubes of a radius around curves: it is the curves' own first, which some versions of the last node read, and
     others take as a scale."""
-    depth = max(curves.depth, radius.depth) + 1
-    thick = canvas.node("GeometryNodeSetCurveRadius", depth, inputs={"Curve": curves, "Radius": radius})
-    circle = canvas.node("GeometryNodeCurvePrimitiveCircle", depth, inputs={"Resolution": sides, "Radius": 1.0})
-    wrapped = canvas.node("GeometryNodeCurveToMesh", depth + 1)
-    canvas.tree.links.new(thick.outputs[0], wrapped.inputs["Curve"])
-    canvas.tree.links.new(circle.outputs["Curve"], wrapped.inputs["Profile Curve"])
-    if "Scale" in wrapped.inputs:  # from 5.0 on
-        own = canvas.node("GeometryNodeInputRadius", depth)
-        canvas.tree.links.new(own.outputs["Radius"], wrapped.inputs["Scale"])
-    return Expression(canvas, wrapped.outputs["Mesh"], depth + 1)
+    thick = canvas.value("GeometryNodeSetCurveRadius", 0, "", {"Curve": curves, "Radius": radius})
+    circle = canvas.value("GeometryNodeCurvePrimitiveCircle", "Curve", "", {"Resolution": sides, "Radius": 1.0})
+    tubes = canvas.value("GeometryNodeCurveToMesh", "Mesh", "", {"Curve": thick, "Profile Curve": circle})
+    sockets = tubes.socket.node.inputs
+    if "Scale" in sockets:  # from 5.0 on
+        canvas.connect(canvas.value("GeometryNodeInputRadius", "Radius"), sockets["Scale"])
+    return tubes
 
 
 def add_filaments_modifier(obj, radius, circulation):

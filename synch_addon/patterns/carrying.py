@@ -14,9 +14,9 @@ from ..blender.modifiers import CARRIES, carries
 from ..blender.phases import pattern_kind
 from ..blender.schema import DIRECTION, PATTERN, PHASES
 from ..blender.transaction import assign
-from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree
+from ..nodes.canvas import GeometryCanvas, Socket, add_modifier, group_tree
 from ..nodes.quads import phase_groups
-from ..nodes.stripes import VERSION, phase_group
+from ..nodes.stripes import VERSION
 
 _INPUTS = (Socket("Geometry", "Geometry", "What other modifiers made of a mesh with a pattern"),)
 _OUTPUTS = (Socket("Geometry", "Geometry", "The same with directions, phases and pattern at its vertices"),)
@@ -25,10 +25,7 @@ _OUTPUTS = (Socket("Geometry", "Geometry", "The same with directions, phases and
 def carry_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Carry" of stripes or "Synch Quad Carry", built when missing, rebuilt when outdated."""
     tree, canvas = group_tree(CARRIES[kind], f"{VERSION}", _INPUTS, _OUTPUTS, GeometryCanvas)
-    if kind == "stripes":
-        phases = [phase_group("Synch Relief Phase", canvas_type=GeometryCanvas)]
-    else:
-        phases = phase_groups("Synch Relief Phase", GeometryCanvas)
+    phases = phase_groups(kind, "Synch Relief Phase", GeometryCanvas)
     if canvas is None:
         return tree
     tree.is_modifier = True
@@ -38,25 +35,22 @@ def carry_group(kind) -> bpy.types.GeometryNodeTree:
     with canvas.band("Direction"):
         direction = _along(canvas, phases[0]["Phase"])
     with canvas.band("At a corner of each vertex"):
-        corner = canvas.node("GeometryNodeCornersOfVertex", 0).outputs["Corner Index"]
-        corner = Expression(canvas, corner, 0)
+        corner = canvas.value("GeometryNodeCornersOfVertex", "Corner Index")
         pattern = phases[0]["Cosine"] if kind == "stripes" else phases[0]["Cosine"] * phases[1]["Cosine"]
         values = [(DIRECTION, "FLOAT_VECTOR", direction), (PATTERN, "FLOAT", pattern)]
         values += [(own.vertex_phase, "FLOAT", p["Phase"]) for own, p in zip(PHASES[kind], phases, strict=True)]
         geometry = inputs["Geometry"]
         for attribute, data_type, value in values:
             value = _at(canvas, value, corner, data_type)
-            geometry = canvas.stored(geometry, attribute.name, attribute.layout, value, value.depth + 1)
+            geometry = canvas.stored(geometry, attribute.name, attribute.layout, value)
         canvas.outputs(Geometry=geometry)
     return tree
 
 
 def _at(canvas, value, index, data_type):
     """A value at the corner of an index."""
-    depth = max(value.depth, index.depth) + 1
     inputs = {"Value": value, "Index": index}
-    node = canvas.node("GeometryNodeFieldAtIndex", depth, "", inputs, data_type=data_type, domain="CORNER")
-    return Expression(canvas, node.outputs["Value"], depth)
+    return canvas.value("GeometryNodeFieldAtIndex", "Value", "", inputs, data_type=data_type, domain="CORNER")
 
 
 def _along(canvas, phase):
@@ -65,12 +59,12 @@ def _along(canvas, phase):
     With the edges a and b to the next and the last corner of the face, and the changes of the phase along them, it is
     change(b) a - change(a) b, but for its length.
     """
-    place = Expression(canvas, canvas.node("GeometryNodeInputPosition", 0).outputs["Position"], 0)
-    corner = Expression(canvas, canvas.node("GeometryNodeInputIndex", 0).outputs["Index"], 0)
+    place = canvas.value("GeometryNodeInputPosition", "Position")
+    corner = canvas.value("GeometryNodeInputIndex", "Index")
     edges, changes = [], []
     for step in (1, -1):
-        node = canvas.node("GeometryNodeOffsetCornerInFace", 1, inputs={"Corner Index": corner, "Offset": step})
-        other = Expression(canvas, node.outputs["Corner Index"], 1)
+        inputs = {"Corner Index": corner, "Offset": step}
+        other = canvas.value("GeometryNodeOffsetCornerInFace", "Corner Index", "", inputs)
         edges.append(canvas.vector("SUBTRACT", _at(canvas, place, other, "FLOAT_VECTOR"), place))
         changes.append(_at(canvas, phase, other, "FLOAT") - phase)
     parts = [canvas.vector("SCALE", edge, Scale=change) for edge, change in zip(edges, reversed(changes), strict=True)]

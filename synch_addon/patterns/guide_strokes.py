@@ -91,14 +91,8 @@ def _to_owner(curve):
 
 
 def add(obj, lines, wish, weight):
-    """Add strokes to a mesh object.
-
-    Parameters
-    ----------
-    lines : list of (k, 3) knots in the object's space
-    wish : "ALONG", "ACROSS" or "PHASE"
-    weight : None for strokes that are held exactly
-    """
+    """Add strokes to a mesh object: lines of (k, 3) knots in its space, with the wish "ALONG", "ACROSS" or "PHASE" and
+    a weight, None for strokes that are held exactly."""
     with whole_or_nothing():
         row = next((row for row in _rows(obj) if row.what == wish and _has_weight(row, weight)), None)
         curve = _new_curve(obj, wish) if row is None else row.curve

@@ -61,12 +61,9 @@ def smooth_lines(lines, times):
     """
     if times == 0:
         return lines
-    mesh, following = lines.mesh, lines.next
-    ends = np.concatenate([lines.starts, lines.starts + lines.sizes - 1])[np.tile(~lines.closed, 2)]
-    previous = np.arange(len(following))
-    previous[following] = np.arange(len(following))
-    free = np.ones(len(following), bool)
-    free[ends] = False
+    mesh, following, previous = lines.mesh, lines.next, lines.previous
+    places = np.arange(len(following))
+    free = (following != places) & (previous != places)
     points, normals = lines.points, lines.normals
     for _ in range(times):
         # Along the surface only: from inside a convex one, the nearest points jump from face to face.

@@ -69,6 +69,7 @@ class LiveJob:
             self._asked = gather(shown.request.command, surface_of(obj), settings, given=given)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self._asked)
+        # Directions are solved again unless all that they depend on is as it was.
         same = {name: getattr(before, name) for name in _OF_PATTERNS}
         turns_only = not is_painted and self._report.curves_read == shown.report.curves_read
         turns_only &= turned_only and replace(settings, **same) == before
@@ -124,7 +125,7 @@ class _Live:
         self._mesh, self._followers = None, (Follower(), Follower())
 
     def step(self, context):
-        """Do what can be done now: hear of the solve, write its result, begin the next one."""
+        """Write the result of the solve if it has ended, and begin the next one."""
         if self._work is not None:
             queue.advance()
             if not self._work.is_over:

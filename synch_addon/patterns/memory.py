@@ -34,7 +34,6 @@ class Solved:
     Attributes
     ----------
     request : what was solved; its polygons are the object's after writing
-    field : DirectionField
     pattern : Pattern, or None after directions alone
     report : Report that collected warnings and times
     plain : the same report as a dict

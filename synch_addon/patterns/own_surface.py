@@ -21,14 +21,10 @@ from ..reading.refinement import made_of, source_of, state_of, unequal_levels
 
 
 def bind(obj, refinement, warn):
-    """Give an object the surface of a refinement, in place of one that it has; None for its own faces.
+    """Give an object the surface of a Refinement, in place of one that it has; None for its own faces.
 
-    Raises SynchError where the object's faces are others by now.
-
-    Parameters
-    ----------
-    refinement : Refinement, or None
-    warn : called with lines that the user should read
+    ``warn`` is called with lines that the user should read. Raises SynchError where the object's faces are others by
+    now.
     """
     if refinement is None:
         release(obj)

@@ -25,7 +25,6 @@ class PickedSurface:
     ----------
     places : (n, 3) of its vertices in object space, as modifiers bend it
     own : (n, 3) of them on the mesh itself
-    polygons : Polygons
     tree : over the faces as they are bent
     """
 

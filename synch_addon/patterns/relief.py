@@ -28,7 +28,7 @@ from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
 from ..nodes.stripe_profiles import THREAD_TIP, choose_profile, place_in_stripe, profile_heights
-from ..nodes.stripes import VERSION, phase_group
+from ..nodes.stripes import VERSION
 
 # Edges that a period should have, and the faces up to which the mesh is subdivided for them.
 _EDGES_PER_PERIOD = 12
@@ -72,7 +72,7 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
     name, profiles = KINDS[kind]
     tree, canvas = group_tree(name, f"{VERSION}", _inputs(kind, profiles), _OUTPUTS, GeometryCanvas)
-    phases = _phase_groups(kind)
+    phases = phase_groups(kind, "Synch Relief Phase", GeometryCanvas)
     if canvas is None:
         return tree
     tree.interface.items_tree["Height"].subtype = "DISTANCE"
@@ -84,12 +84,6 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
     with canvas.band("Relief"):
         canvas.outputs(Geometry=_raise_mesh(canvas, inputs, canvas.on_corners(height)))
     return tree
-
-
-def _phase_groups(kind):
-    if kind == "stripes":
-        return [phase_group("Synch Relief Phase", canvas_type=GeometryCanvas)]
-    return phase_groups("Synch Relief Phase", GeometryCanvas)
 
 
 def _stripe_height(canvas, phases, inputs):
@@ -116,37 +110,23 @@ def _raise_mesh(canvas, inputs, height):
     """
     capture = canvas.node("GeometryNodeCaptureAttribute", 1, "smooth normals", domain="POINT")
     capture.capture_items.new("VECTOR", "Normal")
-    normal = Expression(canvas, canvas.node("GeometryNodeInputNormal", 0).outputs["Normal"], 0)
+    normal = canvas.value("GeometryNodeInputNormal", "Normal")
     canvas.connect(inputs["Geometry"], capture.inputs["Geometry"])
     canvas.connect(normal, capture.inputs["Normal"])
     captured = Expression(canvas, capture.outputs["Geometry"], 1)
-    meshes = []
-    for depth, name in ((2, "GeometryNodeSubdivideMesh"), (3, "GeometryNodeSubdivisionSurface")):
-        node = canvas.node(name, depth, inputs={"Mesh": captured, "Level": inputs["Level"]})
-        meshes.append(Expression(canvas, node.outputs["Mesh"], depth))
-    normals = [Expression(canvas, capture.outputs["Normal"], 1), normal]
-    mesh, normal = (
-        Expression(
-            canvas,
-            canvas.node(
-                "GeometryNodeSwitch",
-                4,
-                "smooth?",
-                inputs={"Switch": inputs["Smooth"], "False": flat, "True": smooth},
-                input_type=input_type,
-            ).outputs["Output"],
-            4,
-        )
-        for input_type, (flat, smooth) in (("GEOMETRY", meshes), ("VECTOR", normals))
-    )
-    unit = canvas.node("ShaderNodeVectorMath", 5, "unit normal", inputs={0: normal}, operation="NORMALIZE")
-    unit = Expression(canvas, unit.outputs["Vector"], 5)
+
+    def chosen(input_type, flat, smooth):
+        values = {"Switch": inputs["Smooth"], "False": flat, "True": smooth}
+        return canvas.value("GeometryNodeSwitch", "Output", "smooth?", values, input_type=input_type)
+
+    values = {"Mesh": captured, "Level": inputs["Level"]}
+    flat = canvas.value("GeometryNodeSubdivideMesh", "Mesh", "", values)
+    smooth = canvas.value("GeometryNodeSubdivisionSurface", "Mesh", "", values)
+    mesh = chosen("GEOMETRY", flat, smooth)
+    unit = canvas.vector("NORMALIZE", chosen("VECTOR", Expression(canvas, capture.outputs["Normal"], 1), normal))
     length = (height * inputs["Height"]).named("way")
-    depth = max(length.depth, unit.depth) + 1
-    offset = canvas.node("ShaderNodeVectorMath", depth, "offset", operation="SCALE", inputs={0: unit, "Scale": length})
-    offset = Expression(canvas, offset.outputs["Vector"], depth)
-    moved = canvas.node("GeometryNodeSetPosition", depth + 1, inputs={"Geometry": mesh, "Offset": offset})
-    return Expression(canvas, moved.outputs["Geometry"], depth + 1)
+    offset = canvas.vector("SCALE", unit.named("unit normal"), Scale=length).named("offset")
+    return canvas.value("GeometryNodeSetPosition", "Geometry", "", {"Geometry": mesh, "Offset": offset})
 
 
 def add_relief(obj, height, width, profile, level, smooth):

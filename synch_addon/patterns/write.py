@@ -121,13 +121,8 @@ def _phase_attributes(count):
 
 
 def attribute_values(phases, vertex_phases):
-    """Values of a pattern's attributes by their names, without those that only some meshes need.
-
-    Parameters
-    ----------
-    phases : tuple of k FacePhases
-    vertex_phases : (n, k) radians
-    """
+    """Values of a pattern's attributes by their names, without those that only some meshes need, from a FacePhases for
+    each of k phases, and (n, k) radians at the vertices."""
     values = {schema.BARYCENTRIC: phases[0].corner_place, schema.PATTERN: np.cos(vertex_phases).prod(axis=1)}
     for own, phase, at_vertices in zip(_phase_attributes(len(phases)), phases, vertex_phases.T, strict=True):
         values |= {own.phase: phase.corner_phase, own.index: phase.index, own.vertex_phase: at_vertices}

@@ -20,14 +20,14 @@ from ..blender.strokes import read_strokes
 
 
 def cut_mesh(obj, given, constraints):
-    """The :class:`MeshInput` with the edges apart that a row cuts."""
+    """The :class:`MeshInput` cut open along the edges of the rows that ask for a cut."""
     cutting = [c for c in constraints if c.what == "cut"]
     if not cutting:
         return given
     edges = np.unique(np.concatenate([_edges(obj, given, c) for c in cutting]))
     mesh, source = cut_open(given.mesh, edges)
     polygons, linked = given.polygons.with_triangles(mesh.triangles), given.linked
-    if linked is not None:
+    if linked is not None:  # the seam of a one-sided surface stays linked where it is not cut
         linked = linked[~np.isin(given.mesh.triangle_edges.ravel()[linked], edges).any(axis=1)]
     return replace(given, mesh=mesh, polygons=polygons, source=given.source[source], linked=linked)
 

@@ -24,15 +24,11 @@ from ..blender.strokes import read_strokes
 
 
 def read_guides(obj, given, symmetry, sources):
-    """Read what sources need of the object.
+    """Read what sources need of the object, as a PendingGuide each, for fields of the symmetry "vector", "line" or
+    "cross".
 
-    Returns tuple of PendingGuide. Raises SettingError for names that do not exist, files that do not fit, and lines or
-    crosses as guides of another symmetry.
-
-    Parameters
-    ----------
-    symmetry : "vector", "line" or "cross"
-    sources : tuple of Source
+    Raises SettingError for names that do not exist, files that do not fit, and lines or crosses as guides of another
+    symmetry.
     """
     return tuple(
         PendingGuide(source.label, _pending(obj, given, symmetry, source), source.share, source.is_of_curvature)

@@ -29,15 +29,8 @@ _SUBTYPES = {LENGTH: "DISTANCE", ANGLE: "ANGLE", PIXELS: "PIXEL", FILE: "FILE_PA
 
 
 def property_of(kind: type[SettingsRecord], setting: str, command: str = "", /, **more: Any) -> Any:
-    """Blender's property of a setting.
-
-    Parameters
-    ----------
-    kind : group of settings
-    setting : its name
-    command : whose variant of the setting it is, "" for the setting itself
-    more : arguments of the property that are not those of the record
-    """
+    """Blender's property of a named setting of a group, or of a command's variant of it; ``more`` are arguments of the
+    property that are not those of the record."""
     record = dict(records(kind))[setting]
     variant = record.variants.get(command)
     given = {
@@ -100,28 +93,17 @@ def _number(record: Setting, of_type: type, default: Any) -> dict[str, Any]:
 
 
 def properties_of(kind: type[SettingsRecord], names: Collection[str], **own: Any) -> type:
-    """A class to mix into property groups and operators, with the properties of some settings.
+    """A class to mix into property groups and operators, with the properties of the named settings of a group.
 
-    Parameters
-    ----------
-    kind : group of settings
-    names : of the settings
-    own : properties that replace or join those that the records give, by name
+    ``own`` are properties that replace or join those that the records give, by name.
     """
     made = {name: own.pop(name) if name in own else property_of(kind, name) for name in names}
     return type(f"{kind.__name__}Properties", (), {"__annotations__": made | own})
 
 
 def settings_of(kind: type[SettingsRecord], properties: Any, names: Collection[str], **apart: Any) -> Any:
-    """Settings of a group from properties with their names.
-
-    Parameters
-    ----------
-    kind : group of settings
-    properties : a property group or an operator
-    names : of the settings that are read from it
-    apart : values of settings that are given otherwise
-    """
+    """The named settings of a group from a property group or an operator; ``apart`` are values that are given
+    otherwise."""
     known = dict(records(kind))
     values = {name: _plain(known[name], getattr(properties, name)) for name in names if name not in apart}
     return kind(**values | apart)

@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.printing.gcode import print_times
+from ...core.unit_vectors import unit_vectors
 from ..blender.new_geometry import new_mesh
 from ..nodes.beads import BEGIN, END, PRINTED, show_beads
 from ..nodes.canvas import surface_material
@@ -17,7 +18,7 @@ from ..nodes.canvas import surface_material
 # What the colours of beads may stand for.
 LOOKS = ("layer", "height", "tilt", "speed")
 # Points around a bead; the power that squares it, 1 for an ellipse; and share of its size, so that neighbours show.
-_AROUND, _SQUARE, _GAP = 10, 0.6, 0.97
+AROUND, _SQUARE, _GAP = 10, 0.6, 0.97
 # Points of an object of tubes, about.
 _POINTS = 5000
 # Colours from the smallest to the largest value, and those that layers take in turn.
@@ -27,32 +28,30 @@ _COLOR, _MATERIAL = "synch_color", "Synch Beads"
 
 
 def add_beads(plan, look, name):
-    """The object of beads in the solid's space, and the collection of its tubes, which is in no scene.
+    """The named object of a PrintPlan's beads in the solid's space, and the collection of its tubes, which is in no
+    scene.
 
     Attributes of the tubes hold what the beads have: `layer`, `height`, `tilt` and `speed` in millimetres, degrees and
-    millimetres a second, and `printed`, the share of the printing time after which they are there.
-
-    Parameters
-    ----------
-    plan : PrintPlan
-    look : one of :data:`LOOKS`, the colours
-    name : of the object
+    millimetres a second, and `printed`, the share of the printing time after which they are there. The look is one of
+    :data:`LOOKS`, the colours.
     """
     lines, values = plan.lines, _values(plan)
-    colors, rings = _colors(values[look], look), _rings(plan)
+    colors, rings = _colors(values[look], look), bead_rings(plan, plan.heights, AROUND)
     ends = np.cumsum(lines.sizes)
     parts = (ends - 1) // _POINTS
     tubes, times = [], []
     for part in np.unique(parts):
         chosen = parts == part
         rows = slice(ends[chosen][0] - lines.sizes[chosen][0], ends[chosen][-1])
-        data = new_mesh(f"{name} {len(tubes):04d}", rings[rows].reshape(-1, 3), _faces(lines.chosen(chosen)))
+        data = new_mesh(
+            f"{name} {len(tubes):04d}", rings[rows].reshape(-1, 3), bead_faces(lines.chosen(chosen), AROUND)
+        )
         data.transform(Matrix(plan.matrix).inverted())
         for key, of in values.items():
-            _add_attribute(data, key, np.repeat(of[rows], _AROUND))
+            _add_attribute(data, key, np.repeat(of[rows], AROUND))
         shown = data.color_attributes.new(_COLOR, "FLOAT_COLOR", "POINT")
         opaque = np.column_stack([colors[rows], np.ones(len(colors[rows]))])
-        shown.data.foreach_set("color", np.repeat(opaque, _AROUND, axis=0).ravel().astype(np.float32))
+        shown.data.foreach_set("color", np.repeat(opaque, AROUND, axis=0).ravel().astype(np.float32))
         data.color_attributes.active_color = shown
         data.materials.append(_material())
         tubes.append(bpy.data.objects.new(data.name, data))
@@ -84,36 +83,33 @@ def _colors(values, look):
     return np.column_stack([np.interp(share, np.arange(len(_SCALE)), column) for column in _SCALE.T])
 
 
-def _rings(plan):
-    """(n, _AROUND, 3) points around the beads, whose upper sides are at the tips."""
+def bead_rings(plan, heights, around):
+    """(n, around, 3) points around the beads of a plan, with (n,) heights, whose upper sides are at the tips."""
     lines, places, normals = plan.lines, plan.tips, plan.normals
-    sides = np.cross(normals, places[lines.next] - places[lines.previous])
-    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
-    turn = 2 * np.pi * (np.arange(_AROUND) + 0.5) / _AROUND
+    sides = unit_vectors(np.cross(normals, places[lines.next] - places[lines.previous]))
+    turn = 2 * np.pi * (np.arange(around) + 0.5) / around
     across, upwards = (np.sign(v) * np.abs(v) ** _SQUARE for v in (np.cos(turn), np.sin(turn)))
     # Where nothing is printed, the tube is a thread.
     widths = np.where(plan.is_printed, plan.widths, 0)
     offsets = _GAP / 2 * widths[:, None, None] * across[:, None] * sides[:, None]
-    offsets = offsets + (plan.heights[:, None] / 2 * (_GAP * upwards - 1))[..., None] * normals[:, None]
+    offsets = offsets + (heights[:, None] / 2 * (_GAP * upwards - 1))[..., None] * normals[:, None]
     return places[:, None] + offsets
 
 
-def _faces(lines):
-    """Quads between rings, and caps at the ends of open beads cut into quads."""
+def bead_faces(lines, around):
+    """Quads between rings of so many points, and caps at the ends of open beads cut into quads."""
     following = lines.next
     first = np.flatnonzero(following != np.arange(len(following)))
-    around = np.arange(_AROUND)
-    turned = (around + 1) % _AROUND
-    quads = np.stack(
-        [first[:, None] * _AROUND + around, first[:, None] * _AROUND + turned,
-         following[first][:, None] * _AROUND + turned, following[first][:, None] * _AROUND + around], axis=-1
-    ).reshape(-1, 4)  # fmt: skip
+    here, there = first[:, None] * around, following[first][:, None] * around
+    ring = np.arange(around)
+    turned = (ring + 1) % around
+    quads = np.stack([here + ring, here + turned, there + turned, there + ring], axis=-1).reshape(-1, 4)
     ends = lines.starts[~lines.closed]
-    strip = np.arange(_AROUND // 2 - 1)
-    cap = np.column_stack([strip, _AROUND - 1 - strip, _AROUND - 2 - strip, strip + 1])
+    strip = np.arange(around // 2 - 1)
+    cap = np.column_stack([strip, around - 1 - strip, around - 2 - strip, strip + 1])
     lasts = ends + lines.sizes[~lines.closed] - 1
     caps = [
-        (rows[:, None, None] * _AROUND + corners).reshape(-1, 4)
+        (rows[:, None, None] * around + corners).reshape(-1, 4)
         for rows, corners in ((ends, cap), (lasts, cap[:, ::-1]))
     ]
     return np.concatenate([quads, *caps])

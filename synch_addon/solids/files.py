@@ -29,13 +29,10 @@ _FLAWS = {"Collisions": ("collided", (0.9, 0.1, 0.1, 1)), "Overhangs": ("overhan
 
 
 def export_layers(layering, path, together=False):
-    """Write each layer to a mesh file of its own, numbered upwards, or all into one; returns the paths.
+    """Write each layer of a Layering to a mesh file of its own, numbered upwards, or all together into one; returns the
+    paths.
 
-    Parameters
-    ----------
-    layering : Layering
-    path : of one file; without ``together``, part.stl stands for part_000.stl, part_001.stl ...
-    together : bool
+    The path part.stl stands for part_000.stl, part_001.stl ... where they are not together.
     """
     path = Path(path)
     check_output(path, MESH_SUFFIXES)

@@ -22,16 +22,9 @@ from .surface import LOOKS, read_area
 
 
 def read_guide(obj, given, guide):
-    """Read what a :class:`LayerGuide` needs.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object, in object mode
-    given : MeshInput of it
-    guide : LayerGuide
+    """Read what a :class:`LayerGuide` needs of an object in object mode, whose MeshInput is given.
 
     Returns a function that can be pickled, :class:`FilledSurface` -> (n, 3) unit vectors at the solid's vertices.
-
     Raises SettingError for names that do not exist or do not fit.
     """
     return _READERS[guide.kind](obj, given, *guide.names)

@@ -21,17 +21,11 @@ _SHALLOW = 1e-4
 
 
 def read_surface(obj, strict=False):
-    """The :class:`ClosedSurface` of a mesh object in object mode.
+    """The :class:`ClosedSurface` of a mesh object in object mode; where ``strict``, a mesh that is not manifold is
+    refused instead of repaired in a copy.
 
-    Parameters
-    ----------
-    obj : bpy.types.Object
-    strict : refuse a mesh that is not manifold, instead of using a repaired copy
-
-    Raises
-    ------
-    MeshError
-        naming the first element that is in the way, and carrying vertices where the surface is open or meets itself
+    Raises MeshError naming the first element that is in the way, and carrying vertices where the surface is open or
+    meets itself.
     """
     given = meshes.read_mesh(obj, strict=strict, weld=not strict)
     refuse_far_vertices(given.mesh)

@@ -12,6 +12,7 @@ from ...geometry.nearest import NearestTriangles
 from ...geometry.smoothing import smooth_line
 from ...geometry.tet_mesh import TetMesh
 from ...interpolate_solid import outward_signs
+from ...unit_vectors import unit_vectors
 from .surfaces import LayerSurfaces
 
 # Smoothing goes half of the way to the middle of the neighbours, and not back: paths through tetrahedra are too uneven.
@@ -93,8 +94,7 @@ def curve_ends(solid: TetMesh, surfaces: LayerSurfaces, curves: Sequence[DefectC
     _, faces = NearestTriangles(surfaces.vertices, surfaces.triangles).nearest([end[0] for end in ends])
     rows = np.searchsorted(solid.boundary_faces, [end[1] for end in ends])
     a, b, c = np.moveaxis(solid.vertices[solid.boundary_triangles[rows]], 1, 0)
-    normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit_vectors(np.cross(b - a, c - a))
     return tuple(
         CurveEnd(int(face), index, tuple(point.tolist()), tuple(normal.tolist()))
         for (point, _, index), face, normal in zip(ends, faces, normals, strict=True)

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...graphs import take_loops
 from ...interpolate_solid import outward_signs
 from .crossings import LayerCrossings
 
@@ -38,13 +39,8 @@ def sheets_in(crossings: LayerCrossings, numbers: np.ndarray, tets: np.ndarray) 
             while way[-1] < count:
                 way.append(following.pop(way[-1]))
             triangles += [(tet_centre + tet, a, b) for a, b in pairwise(way)]
-        while following:
-            first, node = following.popitem()
-            loop = [first]
-            while node != first:
-                loop.append(node)
-                node = following.pop(node)
-            triangles += [(first, a, b) for a, b in pairwise(loop[1:])]
+        for first, *loop in take_loops(following):
+            triangles += [(first, a, b) for a, b in pairwise(loop)]
     return np.array(triangles, int).reshape(-1, 3)
 
 

@@ -38,11 +38,7 @@ def toolpaths(mesh: TriangleMesh, layers: np.ndarray, values: np.ndarray, step: 
     lines = isolines(EdgePhases.of(mesh, np.exp(1j * angles)[:, None], changes, np.zeros(len(changes), int)))
     numbers = layers[lines.triangles[lines.starts]]
     order = np.argsort(numbers, kind="stable")
-    points = np.argsort(np.argsort(order, kind="stable")[lines.numbers], kind="stable")
-    sorted_lines = type(lines)(
-        mesh, lines.triangles[points], lines.weights[points], lines.sizes[order], lines.ends[order]
-    )
-    return sorted_lines, numbers[order]
+    return lines.chosen(order), numbers[order]
 
 
 def refuse_many_points(mesh: TriangleMesh, values: np.ndarray, step: float) -> None:

@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry import TriangleMesh
 from ...graphs import pairs_within
+from ...unit_vectors import unit_vectors
 from .streamlines import Streamlines, trace
 
 # Distance between lines in mean edge lengths; on a coarse mesh less, so that this many lines fit across a square of
@@ -26,6 +27,7 @@ SHARES = (0.8, 0.4, 0.15)
 def evenly_traced(mesh: TriangleMesh, vectors: np.ndarray, symmetry: int, limit: int) -> Streamlines:
     """Evenly spaced :class:`Streamlines`, at most about ``limit`` of full length; arguments as :func:`trace`."""
     area = mesh.areas.sum()
+    # At least so far apart that lines of full length, ASPECT times as long, are no more than the limit.
     apart = min(EDGES_APART * mesh.edge_lengths.mean(), np.sqrt(area) / LINES_ACROSS)
     apart = max(apart, np.sqrt(area / (ASPECT * limit)))
     triangles, weights = even_seeds(mesh, int(np.ceil(SEEDS * area / apart**2)))
@@ -80,7 +82,10 @@ def _free_run(blocked: np.ndarray, seed: int) -> tuple[int, int]:
 
 
 def _stretches(mesh: TriangleMesh, traced: Streamlines, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Cut lines into stretches of a length: each piece's stretch, numbered over all lines and from the line's seed."""
+    """Cut lines into stretches of a length, counted from each line's seed.
+
+    Returns (p,) the stretch of each piece, numbered over all lines, and (p,) its number on the line, 0 after the seed.
+    """
     ends = traced.segments(mesh)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     middles = np.cumsum(lengths) - lengths / 2
@@ -95,8 +100,7 @@ class _SideBySide:
 
     def __init__(self, mesh: TriangleMesh, pieces: Streamlines, radius: float) -> None:
         ends = pieces.segments(mesh)
-        along = ends[:, 1] - ends[:, 0]
-        self.along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
+        self.along = unit_vectors(ends[:, 1] - ends[:, 0])
         self.normals = mesh.face_normals[pieces.triangle]
         self.centres, self.line = ends.mean(axis=1), pieces.line
         self.tree, self.radius = cKDTree(self.centres), radius

@@ -128,9 +128,18 @@ class Isolines:
         return np.bincount(self.numbers, self.steps, len(self.sizes))
 
     def chosen(self, lines: np.ndarray) -> "Isolines":
-        """The lines of an (l,) bool."""
-        points = lines[self.numbers]
-        return Isolines(self.mesh, self.triangles[points], self.weights[points], self.sizes[lines], self.ends[lines])
+        """Some of the lines, by an (l,) bool, or by indices, in their order."""
+        lines = np.arange(len(self.sizes))[lines]
+        return self.with_points(self.points_of(lines), self.sizes[lines], self.ends[lines])
+
+    def points_of(self, lines: np.ndarray) -> np.ndarray:
+        """(m,) numbers of the points of (k,) lines, one line after the other."""
+        line, place = ragged_arange(self.sizes[lines])
+        return self.starts[lines][line] + place
+
+    def with_points(self, points: np.ndarray, sizes: np.ndarray, ends: np.ndarray) -> "Isolines":
+        """Lines of (l,) sizes and (l, 2) ends through (m,) of the points."""
+        return Isolines(self.mesh, self.triangles[points], self.weights[points], sizes, ends)
 
     def resampled(self, distance: float) -> "Isolines":
         """The traced lines with evenly spaced points, about ``distance`` apart; at least three on closed lines.
@@ -181,22 +190,14 @@ class Isolines:
                 run[max(len(run) - 1, 1) :] = [stop]  # the end of an open line replaces the point before it
             kept += run
             sizes.append(len(run))
-        points = np.array(kept, int)
-        return replace(self, triangles=self.triangles[points], weights=self.weights[points], sizes=np.array(sizes, int))
+        return self.with_points(np.array(kept, int), np.array(sizes, int), self.ends)
 
 
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
     """The isolines of stripes, or both families of a quad pattern's grid lines.
 
-    Raises SettingError for another width, a width of quads, or too many lines.
-
-    Parameters
-    ----------
-    edge_phases : EdgePhases
-    width : for stripes, the part of a period that is filled, whose edges are drawn; 0 for the middles of stripes, 1 for
-        the middles of gaps
-
-    Raises SettingError for another width, a width of quads, or too many lines.
+    Of stripes, the ``width`` is the part of a period that is filled, whose edges are drawn; 0 for the middles of
+    stripes, 1 for the middles of gaps. Raises SettingError for another width, a width of quads, or too many lines.
     """
     levels = _levels(edge_phases, width)
     # Lines on the boundary are moved inside, so that they are drawn.

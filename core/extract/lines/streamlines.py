@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry import TriangleMesh
+from ...unit_vectors import unit_vectors
 
 # A line that would leave by the edge where it entered runs along that edge instead, at this slope.
 SLOPE = 1e-3
@@ -132,7 +133,7 @@ class _Charts:
         self.mesh, self.symmetry = mesh, symmetry
         normals = mesh.face_normals
         a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
-        x = (b - a) / np.maximum(np.linalg.norm(b - a, axis=1, keepdims=True), np.finfo(float).tiny)
+        x = unit_vectors(b - a)
         y = np.cross(normals, x)
         self.corners = np.column_stack([np.zeros(len(a)), _complex(b - a, x, y), _complex(c - a, x, y)])
         turned = [_turn_vectors(vectors[at], mesh.vertex_normals[at], normals) for at in mesh.triangles.T]

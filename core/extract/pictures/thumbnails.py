@@ -96,11 +96,8 @@ class Seen:
     ) -> np.ndarray:
         """(pixels, pixels, 4) float32 red, green, blue, alpha of the smoothed picture, rows from below.
 
-        Parameters
-        ----------
-        ink, paper : (3,) colours
-        inked : (k,) share of the ink's colour at the points, 0 to 1
-        dots : pairs of (d,) triangles whose middles get a dot where they are visible, and its (3,) colour
+        The points have (k,) shares ``inked`` of the ink's (3,) colour on that of the paper. Dots are pairs of (d,)
+        triangles, whose middles get one where they are visible, and its (3,) colour.
         """
         image = np.zeros((self.size * self.size, 4), np.float32)
         color = np.asarray(paper) + inked[:, None] * (np.asarray(ink) - np.asarray(paper))

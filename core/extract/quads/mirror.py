@@ -181,8 +181,7 @@ def _add_reflection(quads: QuadMesh, unit: np.ndarray, on_plane: np.ndarray) -> 
 def plane_edges(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
     """Indices of the edges in planes of :class:`MirrorSide`, with faces on both sides."""
     on_planes = sides_of_planes(mesh, units) == 0
-    edges: np.ndarray = np.flatnonzero(on_planes[mesh.edges].all(axis=1).any(axis=1) & (mesh.edge_face_counts == 2))
-    return edges
+    return np.flatnonzero(on_planes[mesh.edges].all(axis=1).any(axis=1) & (mesh.edge_face_counts == 2))
 
 
 def without_image(quads: QuadMesh, unit: np.ndarray) -> int:

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...unit_vectors import unit_vectors
 from .filaments import Filament
 
 # Pairs of segments that are looked at together.
@@ -47,13 +48,8 @@ class Linked:
 
 
 def linking_numbers(lines: Sequence[Filament], box: ArrayLike) -> Linked | None:
-    """The :class:`Linked` of filaments, None where that would take more than ``MOST_PAIRS`` pairs of segments.
-
-    Parameters
-    ----------
-    lines : list of Filament
-    box : (3,) lengths of the periods, 0 where there is none
-    """
+    """The :class:`Linked` of filaments in a box with periods of (3,) lengths, 0 where there is none; None where that
+    would take more than ``MOST_PAIRS`` pairs of segments."""
     loops = [k for k, line in enumerate(lines) if line.is_loop]
     points, strengths = [lines[k].points for k in loops], np.array([lines[k].strength for k in loops])
     images = [
@@ -132,17 +128,12 @@ def _far_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> tu
 def _crossed_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
     """Signed areas of the directions in which segments a-b and c-d cross; 0 for those that meet or lie in a plane."""
     ac, ad, bc, bd = c - a, d - a, c - b, d - b
-    normals = [_unit(np.cross(u, v)) for u, v in ((ac, ad), (ad, bd), (bd, bc), (bc, ac))]
+    normals = [unit_vectors(np.cross(u, v)) for u, v in ((ac, ad), (ad, bd), (bd, bc), (bc, ac))]
     sines = sum(np.arcsin(np.clip(_dot(normals[k - 1], normals[k]), -1, 1)) for k in range(4))
     side = _dot(np.cross(d - c, b - a), ac)
     # Segments with an end in common lie in a plane, whatever rounding makes of the side.
     apart = np.all([np.any(normal, axis=-1) for normal in normals], axis=0)
     return np.where(apart, sines * np.sign(side), 0)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
 
 
 def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:

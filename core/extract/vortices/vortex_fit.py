@@ -18,14 +18,9 @@ _CHUNK = 4096
 def fitted_places(grid: Grid, asked: np.ndarray, faces: np.ndarray, signs: np.ndarray) -> np.ndarray:
     """(k, 2) shares along both axes of (k,) faces at which single vortices pass; NaN where nothing like one is there.
 
-    The flow along the 24 edges of the faces around is compared with that of a straight vortex of one quantum through
-    the face at many places, with many cores, and a uniform flow. Places count by how well they fit.
-
-    Parameters
-    ----------
-    asked : (e,) phase change along each edge that the flow asks for
-    faces : (k,)
-    signs : (k,) +1 for vortices that go around as the face does, else -1
+    The (e,) phase changes that the flow asks for along the 24 edges around a face are compared with those of a straight
+    vortex of one quantum through the face at many places, with many cores, and a uniform flow. Places count by how well
+    they fit. Signs are +1 for vortices that go around as the face does, else -1.
     """
     result = np.full((len(faces), 2), np.nan)
     tried = np.array([place for _, *place in product(_CORES, _SHARES, _SHARES)])
@@ -57,7 +52,8 @@ def _steps() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _edges_around(grid: Grid, faces: np.ndarray, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """(k, 24) edges, and (k,) whether all of them are on the grid."""
+    """(k, 24) edges of the 3 by 3 faces around each face in its plane, and (k,) whether all of them are on the grid."""
+    # Each edge begins some steps from the face's first node, and runs along the first axis of the plane or the second.
     steps, kinds = _steps()
     corners = np.column_stack(np.unravel_index(grid.faces[faces, 0], grid.shape))
     places = np.repeat(corners[:, None], len(steps), axis=1)

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from ...geometry.polylines import divide_pieces
 from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import pairs_within
+from ...unit_vectors import unit_vectors
 from .features import pieces_between_corners
 
 # Two lines are crowded where they are nearer than this to one another, in sides of a quad, at an angle with at least
@@ -43,7 +44,7 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
         return edges
     at, near = pairs_within(tree, points, NEAREST * sides[of])
     at, near = (part[lines[of[at]] != lines[of[near]]] for part in (at, near))
-    along = mesh.edge_vectors[edges] / np.maximum(lengths[:, None], np.finfo(float).tiny)
+    along = unit_vectors(mesh.edge_vectors[edges])
     ways = points[near] - points[at]
     ways -= np.einsum("kx,kx->k", ways, along[of[at]])[:, None] * along[of[at]]
     crowded = np.abs(np.einsum("kx,kx->k", along[of[at]], along[of[near]])) > BESIDE

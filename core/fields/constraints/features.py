@@ -13,9 +13,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import components
+from ...graphs import components, sum_by
+from ...unit_vectors import unit_vectors
 from .groups import Links, OneForm, join_links
-from .lines import line_of_edges
+from .lines import line_of_edges, meeting_ends
 from .rows import GRID, Row
 
 # Radians by which a line turns at a corner.
@@ -71,10 +72,7 @@ def feature_edges(
 
 def _makes_facets(mesh: TriangleMesh, edges: np.ndarray, side: float | np.ndarray) -> bool:
     """Whether edges leave more than half of a surface in parts with room for few quads."""
-    divides = np.zeros(len(mesh.edges), bool)
-    divides[edges] = True
-    halves = np.flatnonzero((mesh.twins >= 0) & ~divides[mesh.triangle_edges.ravel()])
-    parts = components(mesh.triangle_count, np.column_stack([halves, mesh.twins[halves]]) // 3)
+    parts = mesh.parts_between(edges)
     quads = mesh.areas / np.broadcast_to(side, mesh.vertex_count)[mesh.triangles].mean(axis=1) ** 2
     is_small = np.bincount(parts, quads)[parts] < FEWEST_QUADS
     return bool(mesh.areas[is_small].sum() > mesh.areas.sum() / 2)
@@ -85,25 +83,21 @@ def _normals(mesh: TriangleMesh, faces: np.ndarray | None) -> np.ndarray:
     if faces is None:
         return mesh.face_normals
     vectors = mesh.areas[:, None] * mesh.face_normals
-    sums = np.column_stack([np.bincount(faces, weights) for weights in vectors.T])[faces]
-    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
-    means = np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 0)
     alone = np.bincount(faces)[faces] == 1
-    return np.where(alone[:, None], mesh.face_normals, means)
+    return np.where(alone[:, None], mesh.face_normals, unit_vectors(sum_by(faces, vectors)[faces]))
 
 
 def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
-    labels: np.ndarray = components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
-    return labels
+    return components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
 
 
 def pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     """(k,) label of the line between corners that each edge is on."""
     corner = np.zeros(mesh.vertex_count, bool)
     corner[line_corners(mesh, edges)] = True
-    order, first = _meetings(mesh, edges)
-    first = first[~corner[mesh.edges[edges].ravel()[order[first]]]]
-    return components(len(edges), np.column_stack([order[first], order[first + 1]]) // 2)
+    ends = mesh.edges[edges]
+    meeting = meeting_ends(ends)
+    return components(len(edges), meeting[~corner[ends.ravel()[meeting[:, 0]]]] // 2)
 
 
 def line_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
@@ -111,7 +105,7 @@ def line_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     ends = mesh.edges[edges]
     degrees = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
     leaving = np.zeros((mesh.vertex_count, 3))
-    along = mesh.edge_vectors[edges] / np.maximum(mesh.edge_lengths[edges, None], np.finfo(float).tiny)
+    along = unit_vectors(mesh.edge_vectors[edges])
     np.add.at(leaving, ends[:, 0], along)
     np.add.at(leaving, ends[:, 1], -along)
     # Two unit vectors that leave a vertex add up to 0 where they go straight on.
@@ -139,15 +133,6 @@ def _wedges(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> Itera
         # At the boundary they count from one of its sides to the other.
         rest = [] if mesh.boundary_vertices[corner] else [around[0] + 2 * np.pi]
         yield around, np.diff(around, append=rest)
-
-
-def _meetings(mesh: TriangleMesh, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of edges in the order of their vertices, and the places there of vertices where exactly two edges meet."""
-    ends = mesh.edges[edges].ravel()
-    order = np.argsort(ends, kind="stable")
-    met = ends[order]
-    first = np.flatnonzero(met[:-1] == met[1:])
-    return order, first[np.bincount(met, minlength=mesh.vertex_count)[met[first]] == 2]
 
 
 def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge or the boundary") -> Row:
@@ -238,4 +223,4 @@ def _spanning(count: int, links: Links, loops: np.ndarray) -> Links:
     kept = np.column_stack(tree.nonzero())
     in_tree = np.isin(np.sort(pairs, axis=1)[first] @ [count, 1], np.sort(kept, axis=1) @ [count, 1])
     needed[first[in_tree]] = True
-    return Links(*(getattr(links, name)[needed] for name in Links.__dataclass_fields__))
+    return links.chosen(needed)

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import breadth_first_order
 from ...connection import circle_transports
 from ...errors import ContradictionError
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import components
+from ...graphs import components, sum_by
 from ...problem import Merged, Targets
 
 # Unit values that differ by more contradict each other; positions in single precision change angles by less.
@@ -51,6 +51,10 @@ class Links:
     flips: np.ndarray
     names: np.ndarray
 
+    def chosen(self, rows: np.ndarray) -> "Links":
+        """Some of the links, by indices or a mask."""
+        return Links(self.i[rows], self.j[rows], self.angles[rows], self.flips[rows], self.names[rows])
+
 
 def join_links(parts: Iterable[Links]) -> Links:
     """Concatenate any number of :class:`Links`."""
@@ -60,14 +64,10 @@ def join_links(parts: Iterable[Links]) -> Links:
 
 
 def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: str) -> Targets:
-    """The fixed phases of several sources, each node once.
+    """The fixed phases of several sources, each node once; a part is the name of a source, (k,) nodes and (k,) complex
+    values.
 
-    Raises :class:`ContradictionError` for nodes that are fixed to different phases.
-
-    Parameters
-    ----------
-    parts : name of the source, (k,) nodes and (k,) complex values
-    remedy : what to do where two sources contradict each other
+    Raises :class:`ContradictionError`, with a remedy, for nodes that are fixed to different phases.
     """
     if not parts:
         return Targets.none()
@@ -85,13 +85,8 @@ def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: st
 
 
 def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, slack: float) -> Targets:
-    """Drop the fixed values that contradict others through a link and may give way.
-
-    Parameters
-    ----------
-    gives_way : (k,) bool, for each fixed value
-    slack : how far linked unit values may differ
-    """
+    """Drop the fixed values that differ from others by more than the slack through a link, where (k,) bool they may
+    give way."""
     values = np.full(
         max(links.i.max(initial=-1), links.j.max(initial=-1), fixed.nodes.max(initial=-1)) + 1, np.nan, complex
     )
@@ -106,14 +101,8 @@ def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, sla
 def contract_groups(count: int, links: Links, fixed: Targets, slack: float = TOLERANCE) -> tuple[Targets, Merged]:
     """Fixed and merged nodes of linked groups: a group with a fixed node is fixed, others merge into their first node.
 
-    Raises :class:`ContradictionError` when links come back with another phase, or join nodes that are fixed to
-    different ones.
-
-    Parameters
-    ----------
-    count : number of nodes
-    fixed : without weights
-    slack : how far linked unit values may differ; those that are joined are averaged
+    Linked unit values may differ by the slack; those that are joined are averaged. Raises :class:`ContradictionError`
+    when links come back with another phase, or join nodes that are fixed to different ones.
     """
     if len(links.i) == 0:
         return fixed, Merged.none()
@@ -155,7 +144,7 @@ def _agree_leads(links: Links, lead: np.ndarray, known: np.ndarray, at_lead: np.
             f"{name} joins {{vertices}}, for which different values are asked: make them agree, or ask for one only",
             np.append(known[apart], known[first[place[apart]]]),
         )
-    sums = np.bincount(place, at_lead.real) + 1j * np.bincount(place, at_lead.imag)
+    sums = sum_by(place, at_lead)
     return Targets(leads, sums / np.abs(sums))
 
 

@@ -16,7 +16,7 @@ from ...errors import SettingError
 from ...gauge import balance
 from ...geometry.polylines import piece_lengths, values_along
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import components
+from ...graphs import components, sum_by
 from ..guidance.face_directions import corner_turns, face_frames
 
 
@@ -54,10 +54,7 @@ class Line:
     def means(self, values: np.ndarray) -> np.ndarray:
         """(k,) means of real or complex station values at :attr:`nodes`."""
         _, place = np.unique(self.vertices, return_inverse=True)
-        sums = np.bincount(place, values.real)
-        if np.iscomplexobj(values):
-            sums = sums + 1j * np.bincount(place, values.imag)
-        return sums / np.bincount(place)
+        return sum_by(place, values) / np.bincount(place)
 
     @property
     def shares(self) -> np.ndarray:
@@ -98,18 +95,22 @@ def _reversed_edges(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     """(k,) bool: edges on which the line runs from the higher to the lower vertex."""
     ends = mesh.edges[edges]
     # Where exactly two edges meet, one arrives and the other leaves.
-    order = np.argsort(ends.ravel(), kind="stable")
-    met = ends.ravel()[order]
-    first = np.flatnonzero(met[:-1] == met[1:])
-    counts = np.bincount(met, minlength=mesh.vertex_count)
-    first = first[counts[met[first]] == 2]
-    pairs = np.column_stack([order[first] // 2, order[first + 1] // 2])
-    same_end = order[first] % 2 == order[first + 1] % 2
-    turned, _ = balance(len(edges), pairs, same_end) if len(pairs) else (np.zeros(len(edges), bool), None)
+    meeting = meeting_ends(ends)
+    same_end = meeting[:, 0] % 2 == meeting[:, 1] % 2
+    turned, _ = balance(len(edges), meeting // 2, same_end) if len(meeting) else (np.zeros(len(edges), bool), None)
     on_boundary = mesh.edge_face_counts[edges] == 1
     forward = np.zeros(len(mesh.edges), int)
     forward[mesh.triangle_edges.ravel()] = mesh.triangle_edge_signs.ravel()
     return np.where(on_boundary, forward[edges] < 0, turned)
+
+
+def meeting_ends(ends: np.ndarray) -> np.ndarray:
+    """(m, 2) pairs of ends at vertices where exactly two edges meet, as places among the (k, 2) ends, flattened."""
+    order = np.argsort(ends.ravel(), kind="stable")
+    met = ends.ravel()[order]
+    first = np.flatnonzero(met[:-1] == met[1:])
+    first = first[np.bincount(met)[met[first]] == 2]
+    return np.column_stack([order[first], order[first + 1]])
 
 
 def boundary_line(mesh: TriangleMesh, vertices: ArrayLike | None = None, edges: np.ndarray | None = None) -> Line:
@@ -210,8 +211,7 @@ def _tangents(points: np.ndarray, steps: np.ndarray, reach: float) -> np.ndarray
     consecutive points, which may be close, would jump where faces meet."""
     reach = min(reach, steps.sum() / 4)
     before, behind = values_along(points, points, (-reach, reach))
-    tangents: np.ndarray = behind - before
-    return tangents
+    return behind - before
 
 
 def join_stations(lines: Iterable[Line]) -> Line:

@@ -67,15 +67,11 @@ class _LinePhases:
 def phase_constraints(
     one_form: OneForm, rows: Sequence[Row], links: Iterable[Links] = (), slack: float = TOLERANCE
 ) -> tuple[Targets, Merged, list[Targets]]:
-    """Fixed, merged and softly constrained phases of a pattern.
+    """Fixed, merged and softly constrained phases of a pattern, by rows of the kinds "phase" and "constant" and further
+    links.
 
-    Raises :class:`ContradictionError` when hard rows ask for different phases at a vertex.
-
-    Parameters
-    ----------
-    rows : of the kinds "phase" and "constant"
-    links : further links between phases
-    slack : how far linked values may differ
+    Linked values may differ by the slack. Raises :class:`ContradictionError` when hard rows ask for different phases at
+    a vertex.
     """
     phases = [_LinePhases.of(row, one_form) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]

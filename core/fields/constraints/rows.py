@@ -35,7 +35,6 @@ class Row:
 
     Attributes
     ----------
-    line : Line
     kind : "along", "across", or "angle" to the line; "phase" for a fixed phase, "constant" for one that is
         free on each connected piece of the line; "grid" for a grid line that gives way to other rows
     value : radians: the angle, counterclockwise from the line, or the phase, where it grows to the line's left;
@@ -86,8 +85,7 @@ class Row:
 def penalties(mesh: TriangleMesh, row: Row) -> np.ndarray:
     """(k,) weights of a soft row's targets at its line's nodes."""
     assert row.weight is not None
-    weights: np.ndarray = row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
-    return weights
+    return row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
 
 
 def direction_targets(

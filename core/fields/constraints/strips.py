@@ -11,7 +11,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import components, pairs_within, ragged_arange
+from ...graphs import pairs_within, ragged_arange, sum_by
+from ...unit_vectors import unit_vectors
 from .groups import OneForm
 from .rows import GRID, Row
 
@@ -46,15 +47,14 @@ def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tup
     step = STEP * sides.min()
     points, tangents, regions = _on_lines(mesh, edges, step)
     places, reach = mesh.vertices[mesh.triangles].mean(axis=1), ACROSS * sides[mesh.triangles].mean(axis=1)
-    triangles, met = _within_reach(places, _regions(mesh, edges), reach, points, regions)
+    triangles, met = _within_reach(places, mesh.parts_between(edges), reach, points, regions)
     ways = points[met] - places[triangles]
     lengths = np.linalg.norm(ways, axis=1)
     nearest = np.zeros(mesh.triangle_count, int)
     first = _first_of_each(triangles, lengths, np.arange(len(met)))
     nearest[triangles[first]] = met[first]
     own = nearest[triangles]
-    across = np.cross(mesh.face_normals[triangles], tangents[own])
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), np.finfo(float).tiny)
+    across = unit_vectors(np.cross(mesh.face_normals[triangles], tangents[own]))
     heights = np.einsum("kx,kx->k", ways, across)
     own_heights = np.einsum("kx,kx->k", points[own] - places[triangles], across)
     beside = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own])) > BESIDE
@@ -93,7 +93,7 @@ def _first_of_each(labels: np.ndarray, lengths: np.ndarray, chosen: np.ndarray) 
 
 def _on_lines(mesh: TriangleMesh, edges: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(p, 3) points on edges, unit vectors along these, and (p, 2) regions at both sides, -1 beyond the boundary."""
-    own = _regions(mesh, edges)
+    own = mesh.parts_between(edges)
     beside = np.full((len(mesh.edges), 2), -1)
     half = np.arange(3 * mesh.triangle_count)
     side = (mesh.triangle_edge_signs.ravel() < 0).astype(int)
@@ -102,26 +102,16 @@ def _on_lines(mesh: TriangleMesh, edges: np.ndarray, step: float) -> tuple[np.nd
     rows, places = ragged_arange(counts)
     shares = (places / np.maximum(counts[rows] - 1, 1))[:, None]
     points = mesh.vertices[mesh.edges[edges[rows], 0]] + shares * mesh.edge_vectors[edges[rows]]
-    tangents = mesh.edge_vectors[edges] / np.maximum(mesh.edge_lengths[edges, None], np.finfo(float).tiny)
+    tangents = unit_vectors(mesh.edge_vectors[edges])
     return points, tangents[rows], beside[edges[rows]]
-
-
-def _regions(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
-    """(m,) label of each triangle's part of the surface between lines of edges."""
-    open_edge = np.ones(len(mesh.edges), bool)
-    open_edge[edges] = False
-    half = np.flatnonzero((mesh.twins >= 0) & open_edge[mesh.triangle_edges.ravel()])
-    return components(mesh.triangle_count, np.column_stack([half, mesh.twins[half]]) // 3)
 
 
 def _stretch_edges(mesh: TriangleMesh, across: np.ndarray, factors: np.ndarray) -> np.ndarray:
     """(e,) complex factor on each edge, whose argument turns it counterclockwise; the mean over its faces."""
     half = mesh.triangle_edges.ravel()
     faces = np.arange(len(half)) // 3
-    along = mesh.edge_vectors[half] / np.maximum(mesh.edge_lengths[half, None], np.finfo(float).tiny)
+    along = unit_vectors(mesh.edge_vectors[half])
     left = np.cross(mesh.face_normals[faces], along)
     forward, sideways = (np.einsum("hx,hx->h", across[faces], part) for part in (along, left))
     extra = (factors[faces] - 1) * forward * (forward + 1j * sideways)
-    sums = np.bincount(half, extra.real, len(mesh.edges)) + 1j * np.bincount(half, extra.imag, len(mesh.edges))
-    stretch: np.ndarray = 1 + sums / np.maximum(mesh.edge_face_counts, 1)
-    return stretch
+    return 1 + sum_by(half, extra, len(mesh.edges)) / np.maximum(mesh.edge_face_counts, 1)

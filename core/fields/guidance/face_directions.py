@@ -9,13 +9,13 @@ where the surface is flat, and needs no projection where it is not.
 import numpy as np
 
 from ...geometry.triangle_mesh import TriangleMesh
+from ...unit_vectors import unit_vectors
 
 
 def face_frames(mesh: TriangleMesh) -> tuple[np.ndarray, np.ndarray]:
     """Two (m, 3) arrays: the direction of angle 0 in each face, and a quarter turn counterclockwise."""
     a, b = mesh.vertices[mesh.triangles[:, 0]], mesh.vertices[mesh.triangles[:, 1]]
-    lengths = np.linalg.norm(b - a, axis=1, keepdims=True)
-    x = np.divide(b - a, lengths, out=np.zeros_like(a), where=lengths > 0)
+    x = unit_vectors(b - a)
     return x, np.cross(mesh.face_normals, x)
 
 
@@ -33,8 +33,7 @@ def face_gradients(edges: np.ndarray, corner_values: np.ndarray) -> np.ndarray:
     The product stays finite in a triangle without area. ``edges`` are :func:`half_edges`.
     """
     second, third = (corner_values[:, 1:] - corner_values[:, :1]).T
-    products: np.ndarray = 0.5j * (second * edges[:, 2] + third * edges[:, 0])
-    return products
+    return 0.5j * (second * edges[:, 2] + third * edges[:, 0])
 
 
 def sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray, symmetry: int) -> np.ndarray:
@@ -46,8 +45,7 @@ def sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray, symmetry: int) 
 
 def average_in_faces(mesh: TriangleMesh, vertex_values: np.ndarray, symmetry: int) -> np.ndarray:
     """(m,) complex, the mean over each face's corners of (n,) complex powers, in the face's plane."""
-    means: np.ndarray = (np.exp(-1j * symmetry * corner_turns(mesh)) * vertex_values[mesh.triangles]).mean(axis=1)
-    return means
+    return (np.exp(-1j * symmetry * corner_turns(mesh)) * vertex_values[mesh.triangles]).mean(axis=1)
 
 
 def _half_edge_angles(angles: np.ndarray) -> np.ndarray:
@@ -58,7 +56,4 @@ def corner_turns(mesh: TriangleMesh) -> np.ndarray:
     """(m, 3) difference of a direction's angle in the tangent plane of each corner's vertex and in the face."""
     ends = mesh.edge_directions[mesh.triangle_edges]
     at_vertex = np.where(mesh.triangle_edge_signs > 0, ends[..., 0], ends[..., 1])
-    turns: np.ndarray = (
-        at_vertex - _half_edge_angles(mesh.corner_angles) + 0.5 * (mesh.scaled_angles - mesh.corner_angles)
-    )
-    return turns
+    return at_vertex - _half_edge_angles(mesh.corner_angles) + 0.5 * (mesh.scaled_angles - mesh.corner_angles)

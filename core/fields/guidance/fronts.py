@@ -131,14 +131,12 @@ class _Lists:
 def along(begin: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """(k,) distances at the origin over segments on which they are linear."""
     start, way, _, _ = _ways(begin, end, first, last)
-    distances: np.ndarray = start + way
-    return distances
+    return start + way
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(k,) products of (k, d) vectors."""
-    products: np.ndarray = np.einsum("kx,kx->k", a, b)
-    return products
+    return np.einsum("kx,kx->k", a, b)
 
 
 def _ways(

@@ -75,13 +75,19 @@ def axis_guide(mesh: TriangleMesh, axis: ArrayLike) -> Guide:
     Raises :class:`SettingError` for another shape, an axis that is zero or not finite, or at right angles to the whole
     surface.
     """
-    axis = np.asarray(axis, float)
-    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
-        raise SettingError(f"the axis {axis.tolist()} has no direction: give three finite numbers, not all zero")
+    axis = checked_axis(axis)
     guide = _projected_guide(mesh, np.broadcast_to(axis, mesh.vertices.shape))
     if not guide.weights.any():
         raise SettingError(f"the axis {axis.tolist()} points straight out of the surface everywhere: tilt it")
     return guide
+
+
+def checked_axis(axis: ArrayLike) -> np.ndarray:
+    """(3,) an axis in space; refuses other shapes, zero, and numbers that are not finite."""
+    axis = np.asarray(axis, float)
+    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
+        raise SettingError(f"the axis {axis.tolist()} has no direction: give three finite numbers, not all zero")
+    return axis
 
 
 def vectors_guide(mesh: TriangleMesh, vectors: ArrayLike) -> Guide:
@@ -194,8 +200,7 @@ def _projected_guide(mesh: TriangleMesh, vectors: np.ndarray) -> Guide:
 
 
 def _area_shares(mesh: TriangleMesh) -> np.ndarray:
-    shares: np.ndarray = mesh.vertex_masses / mesh.areas.sum()
-    return shares
+    return mesh.vertex_masses / mesh.areas.sum()
 
 
 def _sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray) -> np.ndarray:
@@ -203,8 +208,7 @@ def _sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray) -> np.ndarray:
 
 
 def _ratio(numerators: np.ndarray, denominators: np.ndarray) -> np.ndarray:
-    ratio: np.ndarray = np.divide(numerators, denominators, out=np.zeros_like(numerators), where=denominators > 0)
-    return ratio
+    return np.divide(numerators, denominators, out=np.zeros_like(numerators), where=denominators > 0)
 
 
 def _refuse_infinite(values: np.ndarray, what: str, element: str) -> None:

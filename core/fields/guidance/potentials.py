@@ -57,13 +57,10 @@ def extend_harmonically(mesh: TetMesh, known: np.ndarray, values: np.ndarray) ->
 
 
 def potential(mesh: TetMesh, changes: np.ndarray, names: np.ndarray | None = None) -> np.ndarray:
-    """(n,) the function whose changes along the edges are nearest to given ones, weighted; its least value is 0 on each
-    connected piece.
+    """(n,) the function whose changes along the edges are nearest to (e,) given ones, weighted; its least value is 0 on
+    each connected piece.
 
-    Parameters
-    ----------
-    changes : (e,) from the lower to the higher vertex
-    names : (n,) int from 0, vertices of the same name have the same value; optional
+    Vertices with the same of (n,) names, int from 0, have the same value.
     """
     i, j = mesh.edges.T
     flow = mesh.weights * changes
@@ -83,8 +80,7 @@ def potential(mesh: TetMesh, changes: np.ndarray, names: np.ndarray | None = Non
     lowest = np.full(pieces.max(initial=-1) + 1, np.inf)
     np.minimum.at(lowest, pieces, result)
     result -= lowest[pieces]
-    function: np.ndarray = result[names]
-    return function
+    return result[names]
 
 
 def _laplacian(mesh: TetMesh, weights: np.ndarray) -> csr_matrix:
@@ -102,8 +98,7 @@ def _solve_at(matrix: csr_matrix, masses: np.ndarray, nodes: np.ndarray, right: 
         return right
     matrix = matrix[nodes][:, nodes].tocsr()
     if len(nodes) <= LARGEST_FACTORIZED:
-        solved: np.ndarray = factorize(matrix, single=False).solve(right)
-        return solved
+        return factorize(matrix, single=False).solve(right)
     scale, mass = matrix.diagonal().mean(), masses[nodes]
     metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SMALL_SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)

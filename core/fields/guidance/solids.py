@@ -16,15 +16,11 @@ from ...errors import SettingError, name_elements
 from ...geometry.polylines import check_length, polyline_length
 from ...geometry.tet_mesh import TetMesh
 from ...graphs import ragged_arange
-from .potentials import extend_harmonically, harmonic_function
+from .guides import checked_axis
+from .potentials import extend_harmonically
 
 # Vectors shorter than this share of the longest have no direction.
 ROUNDING = 1e-9
-
-
-def harmonic_directions(mesh: TetMesh, low: ArrayLike, high: ArrayLike) -> np.ndarray:
-    """From one set of vertices to another, (n,) bool each, along the gradient of :func:`harmonic_function`."""
-    return gradient_directions(mesh, harmonic_function(mesh, low, high))
 
 
 def gradient_directions(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
@@ -54,9 +50,7 @@ def gradient_vectors(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
 
 def axis_directions(mesh: TetMesh, axis: ArrayLike) -> np.ndarray:
     """The same direction everywhere, (3,) of any length but zero."""
-    axis = np.asarray(axis, float)
-    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
-        raise SettingError(f"the axis {axis.tolist()} has no direction: give three finite numbers, not all zero")
+    axis = checked_axis(axis)
     return np.tile(axis / np.linalg.norm(axis), (mesh.vertex_count, 1))
 
 
@@ -140,5 +134,4 @@ def extend_directions(mesh: TetMesh, vectors: np.ndarray) -> np.ndarray:
         return units
     spread = np.nan_to_num(extend_harmonically(mesh, known, units[known]))
     lengths = np.linalg.norm(spread, axis=1)
-    units = np.divide(spread, lengths[:, None], out=np.zeros_like(spread), where=lengths[:, None] > ROUNDING)
-    return units
+    return np.divide(spread, lengths[:, None], out=np.zeros_like(spread), where=lengths[:, None] > ROUNDING)

@@ -15,8 +15,8 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sequence_job
 from synch_fields.synch_addon.flows.chosen import expected_shape
-from synch_fields.synch_addon.flows.frames import flow_frames
 from synch_fields.synch_addon.flows.job import job_for
+from synch_fields.synch_addon.flows.sequence_job import flow_frames
 from synch_fields.synch_addon.flows.sources import flow_source
 
 from ..scenes import make_active, snapshot

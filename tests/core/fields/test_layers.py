@@ -8,11 +8,11 @@ import pytest
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.extract.layers.defect_curves import defect_curves
+from synch_fields.core.fields.guidance.potentials import harmonic_function
 from synch_fields.core.fields.guidance.solid_distance import solid_distance
 from synch_fields.core.fields.guidance.solids import (
     axis_directions,
     gradient_directions,
-    harmonic_directions,
 )
 from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, layer_problem, solve_layers
 from synch_fields.core.interpolate_solid import evaluate_in_tets
@@ -78,7 +78,7 @@ def test_between_concentric_spheres_layers_are_spheres(guide, count):
     directions = {
         "radius": lambda: mesh.vertices / radius[:, None],
         "distance": lambda: gradient_directions(mesh, solid_distance(mesh, inner)),
-        "harmonic": lambda: harmonic_directions(mesh, inner, outer),
+        "harmonic": lambda: gradient_directions(mesh, harmonic_function(mesh, inner, outer)),
     }[guide]()
     spacing = 0.8 / count
     groups = [LayerGroup.of_vertices(mesh, chosen, 0.0) for chosen in (inner, outer)]

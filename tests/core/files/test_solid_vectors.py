@@ -7,8 +7,14 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.filled_surface import FilledSurface
-from synch_fields.core.fields.guidance.filled import of_given_lines, of_given_vectors
-from synch_fields.core.fields.guidance.given import line_matrices, orient_vectors, principal_vectors, vectors_at
+from synch_fields.core.fields.guidance.filled import (
+    line_matrices,
+    of_given_lines,
+    of_given_vectors,
+    orient_vectors,
+    principal_vectors,
+    vectors_at,
+)
 from synch_fields.core.fields.guidance.solids import have_directions
 from synch_fields.core.files.solid_vectors import SolidVectors, read_vectors
 from synch_fields.core.geometry.tet_mesh import TetMesh

@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.printing.gcode import Course, gcode
+from synch_fields.core.printing.gcode import WALL, Course, gcode
 from synch_fields.core.printing.machine import Machine, read_machine
 
 MACHINE = Machine(
@@ -66,7 +66,8 @@ def dome(axes):
     random = np.random.default_rng(1)
     widths, heights = random.uniform(0.4, 0.6, 130), random.uniform(0.1, 0.3, 130)
     tools = normals if axes != "xyz" else np.tile([0.0, 0, 1], (130, 1))
-    return Course(points, tools, points, widths, heights, runs, np.array([0, 0, 0, 1]), 0.5)
+    layers = np.array([0, 0, 0, 1])
+    return Course(points, tools, points, widths, heights, runs, layers, 0.5, [WALL] * 4, layers)
 
 
 @pytest.mark.parametrize("axes", ["xyz", "ac", "bc"])
@@ -100,7 +101,8 @@ def test_fewer_moves_stay_near_the_bead_with_its_volume(axes):
     points = np.column_stack([x, 2 * np.sin(x / 2), np.sqrt(900 - x**2)])
     tools = np.column_stack([x, 0 * x, points[:, 2]]) / 30 if axes != "xyz" else np.tile([0.0, 0, 1], (len(x), 1))
     heights = 0.2 + 0.1 * np.sin(x / 3)
-    course = Course(points, tools, points, np.full(len(x), 0.5), heights, [np.arange(len(x))], np.array([0]), 0.5)
+    runs, layers = [np.arange(len(x))], np.array([0])
+    course = Course(points, tools, points, np.full(len(x), 0.5), heights, runs, layers, 0.5, [WALL], layers)
     machine = replace(MACHINE, axes=axes, tolerance=0.02)
     states = read(gcode(course, machine).text)
     extruding = [k for k, state in enumerate(states) if state["E"] > 0 and state["F"] != machine.retraction_feed]

@@ -26,7 +26,8 @@ def course(points, tools, runs=None, layers=None):
     count = len(points)
     runs = [np.arange(count)] if runs is None else runs
     layers = np.zeros(len(runs), int) if layers is None else layers
-    return Course(points, tools, points, np.full(count, 0.5), np.full(count, 0.2), runs, layers, 0.5)
+    kinds = [WALL] * len(runs)
+    return Course(points, tools, points, np.full(count, 0.5), np.full(count, 0.2), runs, layers, 0.5, kinds, layers)
 
 
 def ridge(count=2):
@@ -164,8 +165,8 @@ def test_machines_that_are_shipped_heat_and_prime(name):
 def test_all_feet_of_a_part_have_a_first_layer():
     foot = np.array([[0.0, 0, 0.2], [4, 0, 0.2], [4, 4, 0.2]])
     places = np.concatenate([foot, foot + [14, 0, 0], foot + [0, 0, 0.2], foot + [14, 0, 0.2]]) + [90, 90, 0]
-    made = course(places, turned(np.zeros(12)), list(np.arange(12).reshape(4, 3)))
-    made = replace(made, layers=np.arange(4), heights=np.full(12, 0.2), widths=np.full(12, 0.4), step=0.4)
+    made = course(places, turned(np.zeros(12)), list(np.arange(12).reshape(4, 3)), np.arange(4))
+    made = replace(made, heights=np.full(12, 0.2), widths=np.full(12, 0.4), step=0.4)
     assert made.is_first.tolist() == [True, True, False, False]
     machine = replace(read_machine("marlin"), first_feed=600.0, feed=1200.0)
     moves = read_moves(gcode(made, machine).text)

@@ -47,8 +47,7 @@ class FeatureLines:
     def closed(self) -> np.ndarray:
         """(l,) bool: closed lines without a corner."""
         ends = np.reshape([line[[0, -1]] for line in self.lines], (-1, 2))
-        closed: np.ndarray = (ends[:, 0] == ends[:, 1]) & ~np.isin(ends[:, 0], self.corners)
-        return closed
+        return (ends[:, 0] == ends[:, 1]) & ~np.isin(ends[:, 0], self.corners)
 
     @cached_property
     def on_boundary(self) -> np.ndarray:

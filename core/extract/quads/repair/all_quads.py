@@ -117,13 +117,9 @@ def _half_edges(corners: Sequence[int]) -> Iterator[Edge]:
 
 
 def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
-    """The quad mesh with quads instead of other faces, as far as possible.
+    """The quad mesh on a surface with quads instead of other faces, as far as possible.
 
-    Parameters
-    ----------
-    mesh : the surface
-    keep : (k, 2) vertices of edges that stay, whole or halved
-    apart : vertices that no new edge may join to one another
+    The (k, 2) edges to keep stay, whole or halved, and no new edge joins two of the vertices ``apart``.
     """
     if (quads.sizes == 4).all():
         return quads

@@ -21,13 +21,9 @@ ROUNDS = 3
 
 
 def flip_edges(quads: QuadMesh, normals: np.ndarray, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
-    """The quad mesh with edges flipped, on the same vertices.
+    """The quad mesh with edges flipped, on the same vertices, whose (n, 3) surface normals are given.
 
-    Parameters
-    ----------
-    normals : (n, 3) of the surface at the vertices
-    keep : (k, 2) vertices of edges that stay
-    apart : vertices that no new edge may join to one another
+    The (k, 2) edges to keep stay, and no new edge joins two of the vertices ``apart``.
     """
     edges, counts = quads.edges
     faces = Faces.of(quads, normals, keep, apart)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
+from ....unit_vectors import unit_vectors
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
 from ..measure.quality import corner_angles
 from ..trace.quad_mesh import QuadMesh
@@ -26,13 +27,9 @@ _TINY = np.finfo(float).tiny
 def fit_quads(
     quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, rounds: int, chains: Chains | None = None
 ) -> QuadMesh:
-    """The quad mesh after some rounds; the targets of faces that are not quads are regular polygons.
+    """The quad mesh on a surface after some rounds; the targets of faces that are not quads are regular polygons.
 
-    Parameters
-    ----------
-    mesh : the surface
-    free : (n,) bool, vertices that may move; those on lines stay on their lines
-    chains : vertices on feature lines
+    Only (n,) bool free vertices move, those on feature lines along the chains.
     """
     lines = sliding_lines(free, chains)
     movable = np.flatnonzero(free)
@@ -147,8 +144,3 @@ def _regular(corners: np.ndarray, up: np.ndarray) -> np.ndarray:
     spoke = (np.cos(angles) * offsets - np.sin(angles) * across).mean(axis=1)
     spoke -= np.einsum("fx,fx->f", spoke, normals)[:, None] * normals
     return middle + np.cos(angles) * spoke[:, None] + np.sin(angles) * np.cross(normals, spoke)[:, None]
-
-
-def unit_vectors(vectors: np.ndarray) -> np.ndarray:
-    """(n, 3) vectors over their lengths; zero stays zero."""
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), _TINY)

@@ -9,10 +9,11 @@ as the patch stays as near to the surface as before.
 import numpy as np
 
 from ....geometry import TriangleMesh
+from ....unit_vectors import unit_vectors
 from ..features.chains import Chains
 from ..measure.quality import corner_angles
 from ..trace.quad_mesh import QuadMesh
-from .fitting import sliding_lines, unit_vectors
+from .fitting import sliding_lines
 from .patches import Ground, Judge, Patches, regular_degrees
 
 # Corners that deviate from a right angle by more degrees than this are bad.

@@ -28,20 +28,22 @@ def boundary_segments(
     """
     half = np.flatnonzero(mesh.twins < 0)
     heads = np.roll(mesh.triangles, -1, axis=1).ravel()
-    following = np.full(mesh.vertex_count, -1)
-    following[mesh.triangles.ravel()[half]] = half
-    vertices = np.flatnonzero(following >= 0)
+    # The half-edge of the boundary that leaves each vertex.
+    leaving = np.full(mesh.vertex_count, -1)
+    leaving[mesh.triangles.ravel()[half]] = half
+    vertices = np.flatnonzero(leaving >= 0)
     number = np.full(mesh.vertex_count, -1)
     number[vertices] = node_count + np.arange(len(vertices))
     pieces, corners = [], np.zeros(len(vertices), bool)
     waiting = np.ones(mesh.vertex_count, bool)
     for first in vertices:
+        # Along one loop: nodes and their places, and which are met by lines.
         nodes, points, hit = [], [], []
         vertex = first
         while waiting[vertex]:
             waiting[vertex] = False
-            edge = mesh.triangle_edges.ravel()[following[vertex]]
-            head = heads[following[vertex]]
+            edge = mesh.triangle_edges.ravel()[leaving[vertex]]
+            head = heads[leaving[vertex]]
             passed = crossings.starts[edge] + np.arange(crossings.counts[edge])
             shares = crossings.shares[passed]
             if vertex > head:

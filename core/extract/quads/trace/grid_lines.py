@@ -151,5 +151,5 @@ def _meetings(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     # Barycentric differences have two independent components.
     area = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
     share = (between[:, 0] * across[:, 1] - between[:, 1] * across[:, 0]) / np.where(area == 0, 1, area)
-    share = np.where(area == 0, 0.5, np.clip(share, 0, 1))
+    share = np.where(area == 0, 0.5, np.clip(share, 0, 1))  # in the middle of parallel chords
     return first[:, 0] + share[:, None] * along

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....geometry import TriangleMesh
-from ....graphs import components
+from ....graphs import components, take_loops
 from ....interpolate import EdgePhases
 from .boundary_graph import SHARP, add_farthest, turning_angles, vertex_places
 from .grid_lines import GridLines, grid_lines
@@ -292,14 +292,7 @@ def _rims_of_empty_disks(quads: QuadMesh, mesh: TriangleMesh) -> Iterator[np.nda
     is_empty_disk[pieces[mesh.triangles[quads.triangles[quads.corner_vertices], 0]]] = False
     tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
     half = np.flatnonzero((mesh.twins < 0) & is_empty_disk[pieces[tails]])
-    following = dict(zip(tails[half].tolist(), heads[half].tolist(), strict=True))
-    while following:
-        first, vertex = following.popitem()
-        rim = [first]
-        while vertex != first:
-            rim.append(vertex)
-            vertex = following.pop(vertex)
-        yield np.array(rim)
+    yield from map(np.array, take_loops(dict(zip(tails[half].tolist(), heads[half].tolist(), strict=True))))
 
 
 def _corners_of(mesh: TriangleMesh, rim: np.ndarray) -> np.ndarray:
