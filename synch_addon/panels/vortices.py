@@ -5,11 +5,10 @@ import math
 
 import bpy
 
-from ...core.tasks.flow_costs import solve_memory, solve_seconds
 from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
-from ..flows.chosen import expected_shape
+from ..flows.chosen import expected_solve
 from ..flows.files import can_export
 from .progress import draw_estimate
 from .sidebar import DetailsPanel, SidebarPanel, property_column
@@ -86,13 +85,14 @@ def draw_vortices(layout, settings):
 
 def draw_expected(layout, context, settings):
     """How many nodes a solve will have, how long it takes and how much memory, where that can be told beforehand."""
-    shape = expected_shape(context, settings.filepath, settings.resolution, settings.attribute)
-    if shape is None:
+    expected = expected_solve(context, settings)
+    if expected is None:
         return
-    nodes = math.prod(shape)
-    text = translate("{sizes} nodes", sizes=" × ".join(map(str, shape)))
-    layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
-    draw_estimate(layout, "Vortices", solve_seconds(nodes), solve_memory(nodes) / 2**20)
+    if expected.megabytes is not None:
+        is_large = math.prod(expected.shape) > 2_000_000
+        text = translate("{sizes} nodes", sizes=" × ".join(map(str, expected.shape)))
+        layout.label(text=text, icon="ERROR" if is_large else "INFO")
+    draw_estimate(layout, "Vortices", expected.seconds, expected.megabytes)
 
 
 def draw_figures(layout, found):
