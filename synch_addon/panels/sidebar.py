@@ -160,7 +160,7 @@ def draw_main(layout, obj):
     if simple.kind == "quad_mesh" and not settings.faces:
         count = expected_faces(source)
         if count is not None:
-            column.label(text=translate("0: about {count:,} faces", count=count), icon="BLANK1", translate=False)
+            column.label(text=translate("Automatic: about {count:,} faces", count=count), icon="BLANK1", translate=False)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
