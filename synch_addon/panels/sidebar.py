@@ -20,6 +20,7 @@ from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, original_of, source_of
 from ..settings.preferences import is_simple, preferences
+from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .progress import draw_work
@@ -133,7 +134,7 @@ def draw_main(layout, obj):
     """What is made, the button that makes it or how far it is, and what an artist sets first."""
     simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
     source = original_of(obj)  # whose directions count
-    work = next((work for work in queue.works if not work.is_quiet and work.obj in (obj, source)), None)
+    work = next((work for work in queue.works if not work.is_quiet and _is_for(work, obj)), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
     button.scale_y = 1.6
@@ -160,7 +161,8 @@ def draw_main(layout, obj):
     if simple.kind == "quad_mesh" and not settings.faces:
         count = expected_faces(source)
         if count is not None:
-            column.label(text=translate("Automatic: about {count:,} faces", count=count), icon="BLANK1", translate=False)
+            text = translate("Automatic: about {count:,} faces", count=count)
+            column.label(text=text, icon="BLANK1", translate=False)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
@@ -234,6 +236,11 @@ def draw_unready(layout, obj):
     return bool(reason)
 
 
+def _is_for(work, obj):
+    """Whether a job is of an object, or of the one that its quads or layers were made of."""
+    return work.obj is not None and work.obj in (obj, original_of(obj), solid_of(obj))
+
+
 def draw_shape(layout, obj):
     """Of an object with shape keys, the one that is measured, and the lock that chooses the active one."""
     key = measured_key(obj)
@@ -246,7 +253,7 @@ def draw_shape(layout, obj):
 def draw_others(layout, obj):
     """The jobs that are not of an object, below all that could move for them."""
     heard = [work for work in queue.works if not work.is_quiet]
-    others = [work for work in heard if obj is None or work.obj not in (obj, original_of(obj))]
+    others = [work for work in heard if obj is None or not _is_for(work, obj)]
     for work in others[:SHOWN_JOBS]:
         label, of = translate(work.label), work.obj
         box = layout.box().column(align=True)

@@ -104,8 +104,9 @@ def draw_figures(layout, found):
     elif found["certificate"] == "estimated":
         column.label(text=translate("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
     if found["filaments"] is not None:
-        closed = translate("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
+        closed = translate("{closed} closed", closed=found["closed"])
         column.label(text=f"{translate_count(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
+        column.label(text=translate("{length:.3g} long in all", length=found["length"]), icon="BLANK1")
     if found["vortices"] is not None:
         column.label(text=translate_count(found["vortices"], "vortex"), icon="DOT")
     if found["tubes"] is not None:
