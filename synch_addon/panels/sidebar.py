@@ -224,7 +224,8 @@ def draw_unready(layout, obj):
     """Say why an object can carry nothing; whether it cannot."""
     reason = refusal(obj)
     if obj is not None and any(map(is_of_filaments, obj.modifiers)):
-        layout.label(text=translate("{name}: vortex filaments", name=obj.name), icon="FORCE_VORTEX", translate=False)
+        layout.label(text=obj.name, icon="CURVE_DATA", translate=False)
+        layout.label(text="Vortex filaments", icon="FORCE_VORTEX")
     elif obj is not None and obj.type in {"CURVE", "VOLUME"}:
         layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
         where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"

@@ -113,10 +113,8 @@ def draw_figures(layout, found):
         column.label(text=translate_count(found["tubes"], "tube"), icon="MESH_CYLINDER")
     share = found["vorticity_share"]
     if share is not None:
-        carried = translate(
-            "Circulation {quantum:.4g} each: {share:.0%} of the vorticity", quantum=found["quantum"], share=share
-        )
-        column.label(text=carried, icon="FORCE_VORTEX")
+        column.label(text=translate("Circulation {quantum:.4g} each", quantum=found["quantum"]), icon="FORCE_VORTEX")
+        column.label(text=translate("{share:.0%} of the vorticity", share=share), icon="BLANK1")
     column.label(text=translate("{seconds:.1f} s, {nodes} nodes", **found), icon="TIME")
 
 

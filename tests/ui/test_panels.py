@@ -130,7 +130,7 @@ def made(tall):
     ways = {
         "layers": "bpy.ops.synch.layers()",
         "quad_mesh": "bpy.ops.synch.quad_mesh(faces=200)",
-        "filaments": "bpy.ops.mesh.primitive_circle_add(vertices=48); "
+        "filaments": "bpy.ops.curve.primitive_bezier_circle_add(radius=1); "
         "bpy.ops.synch.clebsch(resolution=16, by='CIRCULATION', quantum=1.0, show='BOTH', target_gap=0.05)",
     }
     chosen = {}
