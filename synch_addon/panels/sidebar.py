@@ -298,7 +298,9 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         elif not draw_painting(layout, context):
             draw_main(layout, obj)
             if not is_simple():
-                layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
+                row = layout.row()
+                row.active = obj.synch_simple.kind in {"stripes", "quads"}  # what follows its settings
+                row.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
             if live.error:
                 layout.label(text=live.error, icon="ERROR", translate=False)
             others = len(others_selected(context))
