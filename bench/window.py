@@ -111,7 +111,7 @@ def main():
             blender.run(_CLICK)
             blender.until(f"bool(first) or ({IDLE})")
             row = {"torus": name, "first_picture": blender.value("first"), "click": blender.value("first_click")}
-            blender.until(IDLE)
+            blender.until(f"{IDLE} and part('patterns.memory').holds(active())")  # written, too
             blender.run("bpy.context.scene.synch_overlay.show = True; area().tag_redraw()")
             gallery = "part('panels.thumbnails').galleries.of(active())"
             blender.until(f"{gallery} is None or len({gallery}.made) == {gallery}.count")

@@ -11,12 +11,10 @@ from ..fields.animation import is_moved
 from ..geometry import TriangleMesh
 from ..geometry.polygons import Polygons
 from ..interpolate import EdgePhases
-from ..monitor import Callback, portion
+from ..monitor import Callback, expect, portion
 from .surface_result import PatternResult
+from .surface_source import FIRST_FRAME, solve_seconds
 from .surfaces import SurfaceRequest
-
-# The first frame is a whole solve: it takes this many times the work of another frame.
-_FIRST = 4
 
 
 @dataclass(frozen=True)
@@ -41,16 +39,17 @@ class FramesRequest:
 
     def solve(self, progress: Callback | None = None) -> "FramesResult":
         """All frames; errors as :meth:`SurfaceRequest.solve`, with the number of the frame."""
-        work = len(self.requests) + _FIRST - 1
-        mesh = self.requests[0].given.mesh
-        found = first = self._solve_frame(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))
-        kept = [_keep_shown(self.frames[0], self.requests[0], first, None, mesh)]
+        work, first = len(self.requests) + FIRST_FRAME - 1, self.requests[0]
+        mesh = first.given.mesh
+        expect(progress, solve_seconds(first.command, first.settings, mesh.vertex_count, len(self.requests)))
+        found = whole = self._solve_frame(self.frames[0], first, None, portion(progress, 0.0, FIRST_FRAME / work))
+        kept = [_keep_shown(self.frames[0], first, found, None, mesh)]
         for place in range(1, len(self.requests)):
             number, request, before = self.frames[place], fresh(self.requests[place]), found
-            part = portion(progress, (_FIRST + place - 1) / work, 1 / work)
+            part = portion(progress, (FIRST_FRAME + place - 1) / work, 1 / work)
             found = self._solve_frame(number, request, before, part)
             kept.append(_keep_shown(number, request, found, before, mesh))
-        return FramesResult(tuple(kept), first)
+        return FramesResult(tuple(kept), whole)
 
     def _solve_frame(
         self, number: int, request: SurfaceRequest, before: PatternResult | None, progress: Callback | None

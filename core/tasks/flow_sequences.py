@@ -18,9 +18,10 @@ from ..files.flows import ArrayFile
 from ..files.regular_flows import GridFlow
 from ..files.volumes import VolumeFile
 from ..geometry.grid import Grid, box_grid
-from ..monitor import Callback, Monitor, portion
+from ..monitor import Callback, Monitor, expect, portion
 from ..settings.flow import FlowSettings
 from ..solve import Options
+from .flow_costs import solve_seconds
 from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, extract_vortices
 
 # Bytes of the maps of a frame for each node, and the most for the maps of all frames.
@@ -91,6 +92,7 @@ class SequenceRequest:
 
         grid = monitor.during(lambda: self._find_grid(reading(0.0, _GRID)))
         check_grid(grid, self.files[0].source.path)
+        expect(progress, solve_seconds(grid.node_count, self.settings, count))
         quantum = self.settings.quantum
         if quantum is None:
             quantum = monitor.during(lambda: self._find_quantum(grid, reading(_GRID, _QUANTUM)))

@@ -258,7 +258,7 @@ class FlowRequest:
         sphere, which need that map."""
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
-        expect(progress, solve_seconds(grid.node_count))
+        expect(progress, solve_seconds(grid.node_count, self.settings))
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         early = None
         if show is not None and settings.show != "tubes" and settings.point is None:
@@ -382,5 +382,6 @@ class SurfaceFlowRequest:
 
     def solve(self, progress: Callback | None = None) -> FlowResult:
         """The :class:`FlowResult`; errors as :meth:`FlowRequest.solve`."""
+        expect(progress, solve_seconds(self.given.mesh.vertex_count, self.settings, is_surface=True))
         surface = Surface(self.given.mesh, self.given.seam)
         return FlowResult.of(surface, edge_integrals(surface, self.velocity), self.settings, progress)

@@ -14,13 +14,17 @@ from ..fields.layers import LayerPattern
 from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
-from ..monitor import Callback, Monitor
+from ..monitor import Callback, Monitor, expect
 from ..printing.beads import Beads, contour_beads, plane_beads
+from ..printing.flat import is_flat
 from ..printing.infill import sparse_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
 from ..validation import check_choice, convert_value
 
+# Approximate seconds on one core for each square of the step, of which beads take a share and order and reach the rest:
+# on layers along an axis, and on others, whose beads have to be searched for what they meet; and for each voxel.
+_FLAT, _CURVED, _FLAT_BEADS, _CURVED_BEADS, _VOXEL = 3e-4, 3e-3, 0.7, 0.2, 1e-6
 FILLS = ("contour", "across-x", "across-y", "across-z")
 # A microsecond and four bytes each.
 MOST_VOXELS = 50_000_000
@@ -112,13 +116,20 @@ class PathsRequest:
     def solve(self, progress: Callback | None = None) -> PrintPlan:
         """Plan the print; SettingError for a step that is wider than every layer or makes too many points, Cancelled
         when ``progress`` returns False."""
-        monitor = Monitor(progress)
+        monitor, share = Monitor(progress), _FLAT_BEADS if is_flat(self.surfaces) else _CURVED_BEADS
+        expect(progress, self.seconds)
         monitor.at("tool paths", 0.0)
         beads = monitor.during(self._make_beads)
         if len(beads.lines.sizes) == 0:
             raise SettingError(f"no path of the step {self.step:g} fits on a layer: reduce it")
-        monitor.at("order and reach", 0.5)
+        monitor.at("order and reach", share)
         return monitor.during(lambda: self._plan(beads))
+
+    @property
+    def seconds(self) -> float:
+        """About how long it takes on one core."""
+        squares = float(self.surfaces.areas.sum()) / self.step / self.step
+        return squares * (_FLAT if is_flat(self.surfaces) else _CURVED)
 
     def _make_beads(self) -> Beads:
         fill, machine = self.settings.fill, self.settings.machine
@@ -158,6 +169,7 @@ class VoxelsRequest:
     def solve(self, progress: Callback | None = None) -> "Voxels":
         """Evaluate the pattern; Cancelled when ``progress`` returns False."""
         monitor = Monitor(progress)
+        expect(progress, _VOXEL * float(self._layout[1].prod()))
         monitor.at("voxels", 0.0)
         return monitor.during(self._sample)
 

@@ -42,17 +42,19 @@ class DefectEmpty(NamedTuple):
     phase: str = ""
 
 
-def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0, mesh=None) -> list[bpy.types.Object]:
+def write_defects(
+    obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0, mesh=None, hidden=False
+) -> list[bpy.types.Object]:
     """Leave one empty of `obj` for each of `defects`, and no others of these `kinds`.
 
     An empty that exists moves to the next defect of its kind and index, since making and removing one costs Blender
     more. Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene units, sets the
     display size: the distance between stripes is a good one. Empties follow the faces of `mesh`, where one is given
     whose vertices are the first ones that `obj` shows. New empties lie in "Defects: <object>", a collection
-    inside "Defects" of the object's scene, which keeps its visibility settings. Returns the empties, in the order
-    of `defects`.
+    inside "Defects" of the object's scene, which keeps its visibility settings; a new one is `hidden` in views or not.
+    Returns the empties, in the order of `defects`.
     """
-    collection = _collection_of(obj)
+    collection = _collection_of(obj, hidden)
     free = {}
     for empty in defect_empties(obj):
         if empty[_KIND] in kinds:
@@ -190,8 +192,8 @@ def mean_scale(obj):
     return max(sum(abs(factor) for factor in scale) / 3.0, 1e-12)
 
 
-def _collection_of(obj):
-    """The collection for the defects of `obj`: where they lie now, or a new one."""
+def _collection_of(obj, hidden):
+    """The collection for the defects of `obj`: where they lie now, or a new one, hidden in views or not."""
     name = f"{COLLECTION_NAME}: {obj.name}"
     for collection in {c for empty in defect_empties(obj) for c in empty.users_collection}:
         # A duplicated hierarchy shares its collection with the original: it gets its own.
@@ -200,6 +202,7 @@ def _collection_of(obj):
                 assign(collection, "name", name)
             return collection
     collection = _new_collection(name, "object")
+    collection.hide_viewport = hidden
     _scene_collection(obj).children.link(collection)
     return collection
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which flow is meant in the window, and how large its grid will be, told without reading it."""
 
+import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -10,8 +12,20 @@ from ...core.errors import SynchError
 from ...core.fields.biot_savart import surrounding_grid
 from ...core.files.volumes import VolumeFile, world_box
 from ...core.geometry.grid import box_grid
+from ...core.tasks.flow_costs import solve_memory, solve_seconds
 from ..blender.strokes import SOURCE_TYPES
+from .sequence_job import flow_frames
+from .properties import plain
 from .sources import flow_source
+
+
+class Expected(NamedTuple):
+    """What a solve will take: nodes along the axes of its grid, or vertices of its surface; seconds of one core; and
+    megabytes, None for a surface."""
+
+    shape: tuple[int, ...]
+    seconds: float
+    megabytes: float | None
 
 
 def flow_of(context, filepath):
@@ -34,24 +48,42 @@ def flow_of(context, filepath):
     return chosen
 
 
-def expected_shape(context, filepath, resolution, attribute):
-    """Nodes along the axes of the grid that will be solved, None where only reading the flow can tell."""
+def expected_solve(context, properties):
+    """How large a solve with the scene's properties will be, an :class:`Expected`; None where only reading the flow can
+    tell, or where it will be refused."""
     try:
-        source = flow_of(context, filepath)
-        if isinstance(source, list):
-            if any(obj.type == "MESH" and obj.data.polygons for obj in source):
-                return None
-            return surrounding_grid(*_object_box(source), resolution).shape
-        file = flow_source(source, None, attribute)
+        settings = plain(properties)
+        shape = _expected_shape(flow_of(context, properties.filepath), settings)
     except SynchError:
         return None
+    if shape is None:
+        return None
+    nodes, is_surface = math.prod(shape), len(shape) == 1
+    count = None if settings.frames is None else len(range(settings.frames[0], settings.frames[1] + 1))
+    seconds = solve_seconds(nodes, settings, count, is_surface)
+    return Expected(shape, seconds, None if is_surface else solve_memory(nodes) / 2**20)
+
+
+def _expected_shape(source, settings):
+    """Nodes along the axes of the grid, of the first frame of a sequence, or the number of vertices of a surface."""
+    if isinstance(source, list):
+        surfaces = [obj for obj in source if obj.type == "MESH" and obj.data.polygons]
+        if not surfaces:
+            return surrounding_grid(*_object_box(source), settings.resolution).shape
+        is_flow = surfaces == source and settings.attribute in surfaces[0].data.attributes
+        return (len(surfaces[0].data.vertices),) if is_flow else None
+    if settings.frames is None:
+        file = flow_source(source, None, settings.attribute)
+    else:
+        first = settings.frames[0]
+        file = flow_frames(source, first, first, settings.attribute)[0][0].source
     if not isinstance(file, VolumeFile) or not file.path.is_file():
         return None
     header = _header(file.path, file.attribute, file.module, file.path.stat().st_mtime)
     if header is None:
         return None
     low, high, to_world = header
-    return box_grid(*world_box(low, high, file.matrix @ to_world), resolution).shape
+    return box_grid(*world_box(low, high, file.matrix @ to_world), settings.resolution).shape
 
 
 def _object_box(objects):

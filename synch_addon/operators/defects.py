@@ -94,15 +94,21 @@ class SYNCH_OT_next_defect(_DefectOperator, PromptOperator, bpy.types.Operator):
         obj = context.active_object
         empties = sorted(defect_empties(obj), key=lambda empty: empty.name)
         # The one after the defect that the view is at.
-        apart = [(empty.matrix_world.translation - view.view_location).length for empty in empties]
+        places = [place_of(empty) for empty in empties]
+        apart = [(place.translation - view.view_location).length for place in places]
         near = min(range(len(empties)), key=apart.__getitem__)
         at_one = apart[near] < 1e-4 * max(view.view_distance, 1e-9)
-        empty = empties[(near + 1) % len(empties) if at_one else 0]
-        place = empty.matrix_world
+        number = (near + 1) % len(empties) if at_one else 0
+        empty, place = empties[number], places[number]
         view.view_location = place.translation
         view.view_rotation = place.to_quaternion()  # an empty's Z is the normal of its face
         view.view_distance = _VIEWED * empty.empty_display_size * max(place.to_scale())
         return empty.name
+
+
+def place_of(empty):
+    """The matrix of an empty in the world; Blender computes only those that are not hidden."""
+    return empty.matrix_world if empty.visible_get() else empty.parent.matrix_world @ empty.matrix_basis
 
 
 class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):

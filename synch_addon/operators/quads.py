@@ -5,7 +5,14 @@ import bpy
 
 from ..blender.meshes import refusal
 from ..patterns.job import FieldJob
-from ..settings.fields import MESH_NAMES, PROPERTY_NAMES, MeshProperties, SettingProperties, source_of
+from ..settings.fields import (
+    DIRECTED_NAMES,
+    MESH_NAMES,
+    PROPERTY_NAMES,
+    MeshProperties,
+    SettingProperties,
+    source_of,
+)
 from ..settings.guide_list import stored_guidance
 from .field_operator import FieldOperator, take_settings
 
@@ -56,8 +63,9 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
 
     def _take(self, context):
         super()._take(context)
-        self.properties.property_unset("guidance")
-        self.angle = source_of(context.active_object).synch.angle
+        directed = source_of(context.active_object).synch
+        self.guidance = stored_guidance(directed)
+        take_settings(self, directed, DIRECTED_NAMES)
 
     def _target(self, context):
         return source_of(context.active_object) if self._work is None else super()._target(context)

@@ -5,6 +5,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.registration import register_all
+from ..settings.fields import original_of
 from .row_operators import RowOperator
 from .sidebar import SettingsPanel, property_column
 
@@ -14,7 +15,7 @@ class _ActiveRowOperator(RowOperator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        stored = context.active_object.synch
+        stored = cls.owner(context).synch
         return 0 <= stored.active_constraint < len(stored.constraints)
 
 
@@ -25,7 +26,7 @@ class SYNCH_OT_constraint_add(RowOperator, bpy.types.Operator):
     bl_label = "Add Constraint"
 
     def execute(self, context):
-        stored = context.active_object.synch
+        stored = self.owner(context).synch
         stored.constraints.add()
         stored.active_constraint = len(stored.constraints) - 1
         return {"FINISHED"}
@@ -38,7 +39,7 @@ class SYNCH_OT_constraint_remove(_ActiveRowOperator, bpy.types.Operator):
     bl_label = "Remove Constraint"
 
     def execute(self, context):
-        stored = context.active_object.synch
+        stored = self.owner(context).synch
         stored.constraints.remove(stored.active_constraint)
         stored.active_constraint = max(min(stored.active_constraint, len(stored.constraints) - 1), 0)
         return {"FINISHED"}
@@ -55,7 +56,7 @@ class SYNCH_OT_constraint_move(_ActiveRowOperator, bpy.types.Operator):
     )
 
     def execute(self, context):
-        stored = context.active_object.synch
+        stored = self.owner(context).synch
         to = stored.active_constraint + (1 if self.direction == "DOWN" else -1)
         if not 0 <= to < len(stored.constraints):
             return {"CANCELLED"}
@@ -88,7 +89,7 @@ class SYNCH_PT_constraints(SettingsPanel, bpy.types.Panel):
     bl_order = 2
 
     def draw_body(self, context):
-        obj = context.active_object
+        obj = original_of(context.active_object)
         stored = obj.synch
         line = self.layout.row()
         rows = 4 if len(stored.constraints) > 1 else 2

@@ -4,10 +4,15 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
+from ...core.errors import SynchError
+from ...core.settings.surface import SurfaceSettings
+from ...core.tasks.surface_source import solve_seconds
 from ..blender.modifiers import shows_frames
 from ..blender.registration import register_all
 from ..blender.translations import OURS
 from ..frames.job import HOLD, Span
+from ..settings.rna import settings_of
+from .progress import draw_estimate
 from .sidebar import SettingsPanel, property_column
 
 
@@ -58,9 +63,21 @@ class SYNCH_PT_animation(SettingsPanel, bpy.types.Panel):
             column.prop(settings, "first")
             column.prop(settings, "last")
         column.prop(settings, "hold")
+        _draw_expected(self.layout, context, settings)
         self.layout.operator("synch.animate", icon="RENDER_ANIMATION")
         if any(shows_frames(modifier) for modifier in context.active_object.modifiers):
             self.layout.label(text="Animated: a new solve replaces it", icon="INFO")
+
+
+def _draw_expected(layout, context, settings):
+    """About how long the frames take, unless they will be refused."""
+    obj = context.active_object
+    try:
+        span = span_of(settings, context.scene)
+    except SynchError:
+        return
+    method = settings_of(SurfaceSettings, obj.synch, ("method",))
+    draw_estimate(layout, "Animate", solve_seconds(span.pattern, method, len(obj.data.vertices), len(span.frames)))
 
 
 def span_of(settings, scene):

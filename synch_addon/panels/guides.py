@@ -76,7 +76,7 @@ class SYNCH_OT_guide_add(RowOperator, bpy.types.Operator):
     bl_label = "Add Guide"
 
     def execute(self, context):
-        context.active_object.synch.guides.add()
+        self.owner(context).synch.guides.add()
         return {"FINISHED"}
 
 

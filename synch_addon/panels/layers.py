@@ -78,9 +78,9 @@ def draw_opening(layout, obj):
     modifier = opening_modifier(obj)
     if modifier is None:
         return
-    row = layout.row(align=True)
+    column = layout.column(align=True)
     for name in ("Cut Open", "Peel"):
-        row.prop(*input_property(modifier, name), text=name, slider=True)
+        column.prop(*input_property(modifier, name), text=name, slider=True)
 
 
 def draw_layers(layout, stored):

@@ -63,8 +63,8 @@ class SynchOverlay(bpy.types.PropertyGroup):
     show: BoolProperty(name="Overlay", description="Draw the field of the active object over it")
     defects: BoolProperty(
         name="Dots",
-        description="Draw swirl points and line ends of the active object as dots, in the colours of their empties. "
-        "Click one to select its empty, drag it to move it",
+        description="Draw swirl points and line ends of the active object as dots. Click one to select its face, drag "
+        "it to move it",
         default=True,
     )
     pattern: BoolProperty(

@@ -5,11 +5,12 @@ from bpy.props import IntProperty
 
 from ..blender.meshes import refusal
 from ..jobs.queue import queue
+from ..settings.fields import original_of
 
 
 def can_set(obj):
     """Whether an object's settings can be changed now."""
-    return refusal(obj) is None and not queue.holds(obj) and not queue.holds_window
+    return refusal(obj) is None and not queue.holds(original_of(obj)) and not queue.holds_window
 
 
 def others_selected(context):
@@ -18,7 +19,8 @@ def others_selected(context):
 
 
 class RowOperator:
-    """Mixed into operators that change a list of the active object, or of the one that ``owner`` finds."""
+    """Mixed into operators that change a list of the active object, of a quad mesh its source's, or of the object that
+    ``owner`` finds."""
 
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
@@ -29,7 +31,8 @@ class RowOperator:
     @staticmethod
     def owner(context):
         """The object whose list it is."""
-        return context.active_object
+        obj = context.active_object
+        return None if refusal(obj) is not None else original_of(obj)
 
 
 class RemoveRow(RowOperator):

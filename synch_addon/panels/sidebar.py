@@ -18,15 +18,16 @@ from ..patterns.other_settings import shows_other_settings
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
-from ..settings.fields import MESH_NAMES, source_of
+from ..settings.fields import MESH_NAMES, original_of, source_of
 from ..settings.preferences import is_simple, preferences
+from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .progress import draw_work
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
 
-KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern"}
+KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
 # Jobs of the row that are shown, the others by their number.
 SHOWN_JOBS = 5
 
@@ -94,15 +95,17 @@ def draw_share(column, settings, name):
     column.prop(settings, stored, text=name.capitalize())
 
 
-def draw_guide(column, settings, obj):
-    """What lines follow, beyond what stands on top."""
-    if obj.synch_simple.direction != "STROKES":
+def draw_guide(column, made):
+    """What lines follow, beyond what stands on top; of a quad mesh these settings are those of its source."""
+    obj = original_of(made)
+    settings = obj.synch
+    if obj.synch_simple.direction != "STROKES" and obj == made:
         draw_strokes(column)
     if obj.synch_simple.direction == "OTHER":
         draw_guidance(column, settings)
 
     def draw_symmetry(column):
-        if obj.synch_simple.kind in {"directions", "stripes"}:
+        if made.synch_simple.kind in {"directions", "stripes"}:
             column.prop(settings, "symmetry")
 
     def draw_group(column):
@@ -111,8 +114,10 @@ def draw_guide(column, settings, obj):
 
     own = {"symmetry": draw_symmetry, "vertex_group": draw_group, "guidance": _skip, "mirror": _skip}
     own["angle_attribute"] = lambda column: draw_map(column, settings, "ANGLE")
-    own["singularities"] = lambda column: draw_share(column, settings, "singularities")
+    own["singularities"] = lambda column: draw_share(column, made.synch, "singularities")
     draw_settings(column, settings, SurfaceSettings, "directions", own)
+    if obj != made:
+        return
     split = column.split(factor=0.4)
     label, row = split.row(), split.row(align=True)
     label.alignment = "RIGHT"
@@ -128,24 +133,24 @@ def draw_guide(column, settings, obj):
 def draw_main(layout, obj):
     """What is made, the button that makes it or how far it is, and what an artist sets first."""
     simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
-    work = next((work for work in queue.works if not work.is_quiet and work.obj == obj), None)
+    source = original_of(obj)  # whose directions count
+    work = next((work for work in queue.works if not work.is_quiet and _is_for(work, obj)), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
     button.scale_y = 1.6
     if work is not None:
         draw_work(button, row, work)
-    elif again:
-        button.operator("synch.quad_mesh_again", icon="MOD_REMESH")
-        row.label(text=translate("Made of {name}", name=source_of(obj).name), icon="OBJECT_DATA", translate=False)
     else:
-        icon = layout.enum_item_icon(simple, "kind", simple.kind)
-        if shows_other_settings(obj, simple.kind):
-            label = translate(KIND_LABELS[simple.kind])
-            text = translate("Update {what}", what=label)
-            button.operator(f"synch.{simple.kind}", text=text, icon="FILE_REFRESH", translate=False)
+        name = "synch.quad_mesh_again" if again else f"synch.{simple.kind}"
+        if shows_other_settings(obj, simple.kind) or (again and memory.is_outdated(obj)):
+            text = translate("Update {what}", what=translate(KIND_LABELS[simple.kind]))
+            button.operator(name, text=text, icon="FILE_REFRESH", translate=False)
         else:
-            button.operator(f"synch.{simple.kind}", icon_value=icon)
-        property_column(row).prop(simple, "kind")
+            button.operator(name, icon_value=layout.enum_item_icon(simple, "kind", simple.kind))
+        if again:
+            row.label(text=translate("Made of {name}", name=source.name), icon="OBJECT_DATA", translate=False)
+        else:
+            property_column(row).prop(simple, "kind")
     layout = layout.column()
     layout.enabled = can_set(obj)
     draw_shape(layout, obj)
@@ -154,14 +159,14 @@ def draw_main(layout, obj):
     if simple.kind == "quad_mesh":
         column.prop(settings, "faces")
     if simple.kind == "quad_mesh" and not settings.faces:
-        count = expected_faces(source_of(obj) or obj)
+        count = expected_faces(source)
         if count is not None:
-            column.label(text=translate("0: about {count:,} faces", count=count), icon="BLANK1", translate=False)
+            text = translate("Automatic: about {count:,} faces", count=count)
+            column.label(text=text, icon="BLANK1", translate=False)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
         column.prop(settings, "loops")
-    source = source_of(obj) if again else obj  # whose directions count
     column.prop(source.synch_simple, "direction")
     if source.synch_simple.direction == "AXIS":
         column.row().prop(source.synch.guide, "axis", expand=True)
@@ -181,7 +186,7 @@ def draw_spacing(column, simple, settings):
     row.prop(simple, "lines")
     row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
     if settings.automatic_spacing:
-        draw_told(column, simple.kind, source_of(simple.id_data) or simple.id_data)
+        draw_told(column, simple.kind, original_of(simple.id_data))
     else:
         column.prop(settings, "spacing")
 
@@ -219,7 +224,8 @@ def draw_unready(layout, obj):
     """Say why an object can carry nothing; whether it cannot."""
     reason = refusal(obj)
     if obj is not None and any(map(is_of_filaments, obj.modifiers)):
-        layout.label(text=translate("{name}: vortex filaments", name=obj.name), icon="FORCE_VORTEX", translate=False)
+        layout.label(text=obj.name, icon="CURVE_DATA", translate=False)
+        layout.label(text="Vortex filaments", icon="FORCE_VORTEX")
     elif obj is not None and obj.type in {"CURVE", "VOLUME"}:
         layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
         where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"
@@ -229,6 +235,11 @@ def draw_unready(layout, obj):
     elif not obj.visible_get():
         layout.label(text=translate("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason)
+
+
+def _is_for(work, obj):
+    """Whether a job is of an object, or of the one that its quads or layers were made of."""
+    return work.obj is not None and work.obj in (obj, original_of(obj), solid_of(obj))
 
 
 def draw_shape(layout, obj):
@@ -243,7 +254,7 @@ def draw_shape(layout, obj):
 def draw_others(layout, obj):
     """The jobs that are not of an object, below all that could move for them."""
     heard = [work for work in queue.works if not work.is_quiet]
-    others = [work for work in heard if obj is None or work.obj != obj]
+    others = [work for work in heard if obj is None or not _is_for(work, obj)]
     for work in others[:SHOWN_JOBS]:
         label, of = translate(work.label), work.obj
         box = layout.box().column(align=True)
@@ -287,7 +298,9 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         elif not draw_painting(layout, context):
             draw_main(layout, obj)
             if not is_simple():
-                layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
+                row = layout.row()
+                row.active = obj.synch_simple.kind in {"stripes", "quads"}  # what follows its settings
+                row.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
             if live.error:
                 layout.label(text=live.error, icon="ERROR", translate=False)
             others = len(others_selected(context))
@@ -317,8 +330,7 @@ class SYNCH_PT_guide(SettingsPanel, bpy.types.Panel):
     bl_order = 1
 
     def draw_body(self, context):
-        obj = context.active_object
-        draw_guide(property_column(self.layout), obj.synch, obj)
+        draw_guide(property_column(self.layout), context.active_object)
 
 
 class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):

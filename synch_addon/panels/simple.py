@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from ...core.refinement.spacing import lines_in_period
 from ..blender.registration import register_all
 from ..patterns.refine import expected_spacing, mesh_detail
-from ..settings.fields import source_of
+from ..settings.fields import original_of
 
 # Settings of each direction: guidance and angle.
 _DIRECTIONS = {
@@ -60,14 +60,14 @@ def _size(simple):
 
     It is that of the mesh, which stays where modifiers and shape keys change what is shown.
     """
-    obj = source_of(simple.id_data) or simple.id_data
+    obj = original_of(simple.id_data)
     found = mesh_detail(obj) if obj.type == "MESH" and obj.mode == "OBJECT" else None
     return (max(obj.dimensions) if found is None else found.size) * lines_in_period(simple.kind)
 
 
 def _get_lines(simple):
     obj, stored = simple.id_data, simple.id_data.synch
-    told = expected_spacing(simple.kind, source_of(obj) or obj) if stored.automatic_spacing else stored.spacing
+    told = expected_spacing(simple.kind, original_of(obj)) if stored.automatic_spacing else stored.spacing
     return _size(simple) / told if told else 0.0
 
 

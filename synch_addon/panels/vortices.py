@@ -5,11 +5,10 @@ import math
 
 import bpy
 
-from ...core.tasks.flow_costs import solve_memory, solve_seconds
 from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
-from ..flows.chosen import expected_shape
+from ..flows.chosen import expected_solve
 from ..flows.files import can_export
 from .progress import draw_estimate
 from .sidebar import DetailsPanel, SidebarPanel, property_column
@@ -86,13 +85,14 @@ def draw_vortices(layout, settings):
 
 def draw_expected(layout, context, settings):
     """How many nodes a solve will have, how long it takes and how much memory, where that can be told beforehand."""
-    shape = expected_shape(context, settings.filepath, settings.resolution, settings.attribute)
-    if shape is None:
+    expected = expected_solve(context, settings)
+    if expected is None:
         return
-    nodes = math.prod(shape)
-    text = translate("{sizes} nodes", sizes=" × ".join(map(str, shape)))
-    layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
-    draw_estimate(layout, "Vortices", solve_seconds(nodes), solve_memory(nodes) / 2**20)
+    if expected.megabytes is not None:
+        is_large = math.prod(expected.shape) > 2_000_000
+        text = translate("{sizes} nodes", sizes=" × ".join(map(str, expected.shape)))
+        layout.label(text=text, icon="ERROR" if is_large else "INFO")
+    draw_estimate(layout, "Vortices", expected.seconds, expected.megabytes)
 
 
 def draw_figures(layout, found):
@@ -104,18 +104,17 @@ def draw_figures(layout, found):
     elif found["certificate"] == "estimated":
         column.label(text=translate("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
     if found["filaments"] is not None:
-        closed = translate("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
+        closed = translate("{closed} closed", closed=found["closed"])
         column.label(text=f"{translate_count(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
+        column.label(text=translate("{length:.3g} long in all", length=found["length"]), icon="BLANK1")
     if found["vortices"] is not None:
         column.label(text=translate_count(found["vortices"], "vortex"), icon="DOT")
     if found["tubes"] is not None:
         column.label(text=translate_count(found["tubes"], "tube"), icon="MESH_CYLINDER")
     share = found["vorticity_share"]
     if share is not None:
-        carried = translate(
-            "Circulation {quantum:.4g} each: {share:.0%} of the vorticity", quantum=found["quantum"], share=share
-        )
-        column.label(text=carried, icon="FORCE_VORTEX")
+        column.label(text=translate("Circulation {quantum:.4g} each", quantum=found["quantum"]), icon="FORCE_VORTEX")
+        column.label(text=translate("{share:.0%} of the vorticity", share=share), icon="BLANK1")
     column.label(text=translate("{seconds:.1f} s, {nodes} nodes", **found), icon="TIME")
 
 

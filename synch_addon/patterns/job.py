@@ -15,7 +15,7 @@ from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, whole_or_nothing
 from ..jobs.kept_results import result_line
 from ..jobs.report import Report
-from ..reading.refinement import refinement_of, solved_object
+from ..reading.refinement import refinement_of, solved_object, state_of
 from ..reading.surface import gather, settings_for
 from . import frame_attributes, memory, numbers, own_surface, quad_mesh, write
 from .curves_read import curves_read
@@ -149,5 +149,6 @@ def write_quads(obj, request, result, report, selection, surface, replaced=None)
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered
-        made.synch.result = result_line(plain | {"carrier": {}})  # it is a surface
+        assign(made.synch, "made_from", state_of(obj))
+        assign(made.synch, "result", result_line(plain | {"carrier": {}}))  # it is a surface
     return plain

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write a solved field to the object at once: attributes, material and defect empties."""
 
+import bpy
 import numpy as np
 from mathutils import Vector
 
@@ -36,7 +37,9 @@ def results(obj, request, field, pattern, report):
             "each): the overlay draws them, the report lists them"
         )
     mesh = surface.data if shows_vertices_first(obj) else None
-    write_defects(obj, defects if len(defects) <= MOST_EMPTIES else [], kinds=kinds, length=spacing, mesh=mesh)
+    shown = defects if len(defects) <= MOST_EMPTIES else []
+    # In the window dots show the same.
+    write_defects(obj, shown, kinds=kinds, length=spacing, mesh=mesh, hidden=not bpy.app.background)
     if pattern is not None:
         all_faces = report.settings.assign_material or has_one_material(surface)
         pattern_material(surface, request.command, spacing=spacing, assign_faces=all_faces)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of directions, stripes, quads and quad meshes as Blender properties, which an object keeps in the file."""
 
+from types import SimpleNamespace
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -24,6 +26,8 @@ _RECORDS = dict(records(SurfaceSettings))
 # Settings that panel and operators have as properties, and those of them that quad meshes have apart.
 PROPERTY_NAMES = tuple(name for name, record in _RECORDS.items() if record.group and name != "guidance")
 MESH_NAMES = {name: f"mesh_{name}" for name, record in _RECORDS.items() if "quad_mesh" in record.variants}
+# Settings that a quad mesh takes from its source, besides the guidance.
+DIRECTED_NAMES = ("angle", "angle_attribute", "angle_range", "boundary", "vertex_group")
 # What an object has of its own besides.
 STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", *MESH_NAMES.values())
 
@@ -64,6 +68,7 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
         name="Source", description="The object that this quad mesh was made of", type=bpy.types.Object
     )
     made_along: StringProperty(name="Made Along", description="Guidance that this quad mesh was made with")
+    made_from: StringProperty(name="Made From", description="Hash of the mesh that this quad mesh was made of")
     result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
 
 
@@ -73,10 +78,19 @@ def source_of(obj):
     return source if source is not None and bpy.context.scene in source.users_scene else None
 
 
+def original_of(obj):
+    """The object whose directions count: of a quad mesh its source."""
+    return source_of(obj) or obj
+
+
 def stored_settings(obj):
     """The :class:`SurfaceSettings` that the panel keeps for an object; errors as :func:`stored_guidance`."""
-    stored = obj.synch
-    return plain(stored, None if stored.automatic_spacing else stored.spacing, stored_guidance(stored))
+    stored, directed = obj.synch, original_of(obj).synch
+    values = stored
+    if directed != stored:
+        values = SimpleNamespace(**{name: getattr(stored, MESH_NAMES.get(name, name)) for name in PROPERTY_NAMES})
+        vars(values).update({name: getattr(directed, name) for name in DIRECTED_NAMES})
+    return plain(values, None if stored.automatic_spacing else stored.spacing, stored_guidance(directed))
 
 
 def plain(properties, spacing, guidance=None):

@@ -21,6 +21,10 @@ for name in [name for name in dir(bpy.types) if name.startswith("SYNCH_PT_")]:
 names = part("panels")
 names.unregister(); names.register()
 """
+_ACTIVE = (
+    "[one.select_set(False) for one in bpy.context.selected_objects]; "
+    "bpy.context.view_layer.objects.active = {0}; {0}.select_set(True); area().tag_redraw()"
+)
 PANEL = "part('settings.preferences').preferences().panel = {!r}; area().tag_redraw()"
 
 
@@ -76,22 +80,29 @@ def test_what_only_a_kind_has_is_shown_with_it(tall, kind):
         assert tall.shows(text) == (kind in kinds), text
 
 
+def cut_off(blender, picture):
+    """Where a picture shows a text that is cut off: Blender ends one with three dots.
+
+    These are seen at 0.96 and 0.99, other marks of the panel at 0.81.
+    """
+    dots = np.array(blender.value("drawn_text('…', 11)"), np.uint8)[:8, 1:13]
+    return reading.places(picture, dots, alike=0.9).tolist()
+
+
 @pytest.mark.parametrize("language", ["en_US", "de_DE"])
 def test_no_text_is_cut_off(tall, keep, language):
-    """Blender ends a text that it cuts off with three dots: seen at 0.96 and 0.99, other marks of the panel at 0.81."""
     tall.run(f"bpy.context.preferences.view.language = {language!r}; active().synch_simple.kind = 'stripes'")
     if not tall.value("bool(active().synch.result)"):
         tall.run("bpy.ops.synch.stripes('INVOKE_DEFAULT')")
         tall.until("bool(active().synch.result)")
     gallery = "part('panels.thumbnails').galleries.of(active())"
     tall.until(f"len({gallery}.made) == {gallery}.count")
-    dots = np.array(tall.value("drawn_text('…', 11)"), np.uint8)[:8, 1:13]
     kept = []
     for kind in ("stripes", "quads", "quad_mesh", "directions"):
         for choice in ("SIMPLE", "ADVANCED"):
             tall.run(f"active().synch_simple.kind = {kind!r}; " + PANEL.format(choice))
             picture = panels(tall)
-            assert reading.places(picture, dots, alike=0.9).tolist() == [], (kind, choice)
+            assert cut_off(tall, picture) == [], (kind, choice)
             kept.append(picture)
     keep(f"panels_{language}", in_columns(kept[:2]))
     tall.run(SPEAK)
@@ -110,3 +121,45 @@ def test_nothing_moves_while_a_job_runs(tall, keep):
     tall.until("bool(active().synch.result)")
     after = [tall.wait_for(name)[1] for name in names]
     assert seen and all(np.allclose(places, before) for places in (*seen, after))
+
+
+@pytest.fixture(scope="module")
+def made(tall):
+    """The tall window with layers, a quad mesh and filaments: the code that makes each of them the active object."""
+    ball = tall.value("active().name")
+    ways = {
+        "layers": "bpy.ops.synch.layers()",
+        "quad_mesh": "bpy.ops.synch.quad_mesh(faces=200)",
+        "filaments": "bpy.ops.curve.primitive_bezier_circle_add(radius=1); "
+        "bpy.ops.synch.clebsch(resolution=16, by='CIRCULATION', quantum=1.0, show='BOTH', target_gap=0.05)",
+    }
+    chosen = {}
+    for kind, way in ways.items():
+        tall.run(f"made_of = bpy.data.objects[{ball!r}]; made_of.hide_set(False); {_ACTIVE.format('made_of')}; {way}")
+        chosen[kind] = _ACTIVE.format(f"bpy.data.objects[{tall.value('active().name')!r}]")
+    yield chosen
+    tall.run(f"bpy.data.objects[{ball!r}].hide_set(False); {_ACTIVE.format(f'bpy.data.objects[{ball!r}]')}")
+
+
+@pytest.mark.parametrize("language", ["en_US", "de_DE"])
+def test_no_text_of_what_was_made_is_cut_off(tall, made, keep, language):
+    tall.run(f"bpy.context.preferences.view.language = {language!r}; " + PANEL.format("ADVANCED"))
+    kept = []
+    for kind, choose in made.items():
+        tall.run(choose)
+        kept.append(panels(tall))
+        keep(f"made_{kind}_{language}", kept[-1])
+        assert cut_off(tall, kept[-1]) == [], kind
+    tall.run(SPEAK)
+
+
+def test_nothing_moves_while_a_job_of_layers_runs(tall, made):
+    """The job is of the solid, and the active object shows its layers."""
+    tall.run(made["layers"] + "; " + PANEL.format("ADVANCED"))
+    names = ("Cut Open", "Tool Paths")
+    before = [tall.wait_for(name)[1] for name in names]
+    tall.click("Tool Paths")
+    seen = []
+    while tall.value("part('jobs.queue').queue.running is not None") or not seen:
+        seen.append([tall.wait_for(name)[1] for name in names])
+    assert all(np.allclose(places, before) for places in seen)

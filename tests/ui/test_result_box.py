@@ -30,11 +30,12 @@ def test_the_look_is_changed_and_a_changed_mesh_is_solved_again(panel, keep):
     figures(panel, result(panel))
     panel.wait_for(panel.says("{length} apart on {count:,} faces", length="0.8 m", count=1280))
     panel.scroll_to("Empties", up=True)
-    panel.click("Empties")
-    panel.until("all(not empty.visible_get() for empty in active().children)")
+    panel.until("all(not empty.visible_get() for empty in active().children)")  # the dots are there
     assert panel.value("len(active().children)") > 0
     panel.click("Empties")
     panel.until("all(empty.visible_get() for empty in active().children)")
+    panel.click("Empties")
+    panel.until("all(not empty.visible_get() for empty in active().children)")
 
     assert not panel.shows("Mesh Changed: Solve Again")
     panel.move((600, 500))  # off the button, whose tooltip would lie over the next row

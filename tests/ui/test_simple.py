@@ -42,9 +42,10 @@ def test_another_count_of_faces_is_one_field_and_one_click(simple, keep):
     name, count = simple.value("active().name"), simple.value("len(active().data.polygons)")
     objects = simple.value("len(bpy.data.objects)")
     assert 280 <= count <= 320
-    simple.run("active().synch.faces = 600")
-    simple.click("Quad Mesh Again")
+    simple.run("active().synch.faces = 600; area().tag_redraw()")
+    simple.click(simple.says("Update {what}", what=simple.says("Quad Mesh")))
     simple.until("len(active().data.polygons) > 550")
+    simple.wait_for("Quad Mesh Again")
     assert simple.value("active().name") == name and simple.value("len(bpy.data.objects)") == objects
     keep("quad_mesh_again", simple.picture("UI"))
 

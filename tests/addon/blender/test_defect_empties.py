@@ -9,6 +9,7 @@ from mathutils import Vector
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import left_defects
 from synch_fields.synch_addon.blender.defect_empties import defect_empties, orphaned_empties, write_defects
+from synch_fields.synch_addon.operators.defects import place_of
 
 from ..scenes import sphere
 from ..single_faces import FACES, some_defects
@@ -73,6 +74,22 @@ def test_two_objects_keep_their_own_empties_and_hidden_collections_stay_hidden()
     write_defects(first, [])
     assert "Defects: face" not in bpy.data.collections
     assert len(bpy.data.collections["Defects: face.001"].objects) == 3
+
+
+def test_a_new_collection_may_be_hidden_and_what_a_user_shows_stays_shown():
+    obj = sphere()
+    obj.location, obj.rotation_euler = (1, 2, 3), (0.3, 0, 1)
+    bpy.context.view_layer.update()
+    first = write_defects(obj, some_defects(), mesh=obj.data)[0]
+    bpy.context.view_layer.update()
+    place = first.matrix_world.copy()
+    write_defects(obj, [])
+    hidden = write_defects(obj, some_defects(), mesh=obj.data, hidden=True)[0]
+    (collection,) = hidden.users_collection
+    assert collection.hide_viewport and not hidden.visible_get()
+    np.testing.assert_allclose(place_of(hidden), place, atol=1e-6)
+    collection.hide_viewport = False
+    assert write_defects(obj, some_defects(), mesh=obj.data, hidden=True)[0].visible_get()
 
 
 def delete(obj):

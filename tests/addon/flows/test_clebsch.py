@@ -20,7 +20,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import openvdb
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sources
-from synch_fields.synch_addon.flows.chosen import expected_shape
+from synch_fields.synch_addon.flows.chosen import expected_solve
 from synch_fields.synch_addon.flows.files import SUFFIXES
 from synch_fields.synch_addon.flows.job import clebsch
 
@@ -193,7 +193,9 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
     for path, attribute in ((mine["vel"], "velocity"), (mine["v"], "velocity"), (mine["wind"], "wind")):
         report = clebsch(path, attribute=attribute, **rough)
         assert report["filaments"] == ring["filaments"] and not report["warnings"]
-        assert expected_shape(bpy.context, str(path), 18, attribute) == (18, 18, 14)
+        stored = bpy.context.scene.synch_vortices
+        stored.filepath, stored.resolution, stored.attribute = str(path), 18, attribute
+        assert expected_solve(bpy.context, stored).shape == (18, 18, 14)
     with pytest.raises(SettingError, match="no vorticity"):  # of the colours
         clebsch(mine["vel"], attribute="Cd", resolution=18)
     with pytest.raises(SettingError, match=r"has no vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):

@@ -14,7 +14,7 @@ from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sequence_job
-from synch_fields.synch_addon.flows.chosen import expected_shape
+from synch_fields.synch_addon.flows.chosen import expected_solve
 from synch_fields.synch_addon.flows.job import job_for
 from synch_fields.synch_addon.flows.sequence_job import flow_frames
 from synch_fields.synch_addon.flows.sources import flow_source
@@ -119,7 +119,7 @@ def test_without_frames_a_volume_is_solved_as_it_is_shown_now(folder):
         assert points_of(lines)[:, 2].mean() == pytest.approx(height, abs=0.5 * SPACING)
     make_active(volume)
     (folder / "smoke_0003.vdb").rename(folder / "away.vdb")
-    assert expected_shape(bpy.context, "", 18, "velocity") is None  # told of that file, not of the first
+    assert expected_solve(bpy.context, bpy.context.scene.synch_vortices) is None  # that file, not the first
     (folder / "away.vdb").rename(folder / "smoke_0003.vdb")
     volume.data.sequence_mode = "CLIP"
     bpy.context.scene.frame_set(9)

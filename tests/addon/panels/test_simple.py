@@ -140,4 +140,4 @@ def test_a_vortex_curve_is_named_as_what_it_is():
     add_filaments_modifier(curve, 0.1, 1.0)
     layout = MagicMock()
     assert sidebar.draw_unready(layout, curve)
-    assert [call.kwargs["text"] for call in layout.label.call_args_list] == ["Ring: vortex filaments"]
+    assert [call.kwargs["text"] for call in layout.label.call_args_list] == ["Ring", "Vortex filaments"]

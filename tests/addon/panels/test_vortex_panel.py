@@ -44,6 +44,7 @@ def estimated():
 def test_the_estimate_is_the_grid_that_is_solved(tmp_path):
     settings = bpy.context.scene.synch_vortices
     settings.resolution = 24
+    settings.by, settings.quantum = "CIRCULATION", 1.0
     rough = {"resolution": 24, "method": "spectral"}
     assert not [text for text in drawn(SYNCH_PT_vortices)[0] if "nodes" in text]  # nothing is chosen
     settings.filepath = str(write_vdb(tmp_path / "ring.vdb"))
@@ -62,6 +63,37 @@ def test_the_estimate_is_the_grid_that_is_solved(tmp_path):
     bpy.ops.curve.primitive_bezier_circle_add(location=(3, 0, 1), rotation=(0.4, 0, 0))
     curve = make_active(bpy.context.active_object)
     assert estimated()[0] == api.clebsch(curve, **rough)["shape"]
+
+
+def about():
+    """Seconds that the panel tells, None where it tells none."""
+    found = re.search(r"About (\d+) s", "\n".join(drawn(SYNCH_PT_vortices)[0]))
+    return None if found is None else int(found[1])
+
+
+def test_sequences_and_surfaces_are_estimated_too(tmp_path, monkeypatch):
+    monkeypatch.setattr(Work, "_paces", {"Vortices": 10.0})
+    settings = bpy.context.scene.synch_vortices
+    for frame in (1, 2):
+        write_vdb(tmp_path / f"ring_{frame}.vdb")
+    settings.resolution, settings.by, settings.quantum = 24, "CIRCULATION", 1.0
+    settings.filepath = str(tmp_path / "ring_1.vdb")
+    alone = estimated()
+    settings.filepath, settings.use_frames, settings.frame_start = str(tmp_path / "ring_#.vdb"), True, 1
+    settings.frame_end = 5
+    shape, seconds, memory = estimated()
+    assert (shape, memory) == (alone[0], alone[2]) and seconds == pytest.approx(4.2 * alone[1], rel=0.05)
+    settings.frame_end = 0
+    assert about() is None  # no frames
+    settings.filepath, settings.use_frames = "", False
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=99, y_subdivisions=99)
+    assert about() is None  # no flow
+    flow = bpy.context.active_object.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+    flow.data.foreach_set("vector", np.ones(3 * 10_000, np.float32))
+    told = about()
+    assert told == pytest.approx(11, abs=1) and not [text for text in drawn(SYNCH_PT_vortices)[0] if "MB" in text]
+    settings.by = "SHARE"  # which is searched for
+    assert about() > 2 * told
 
 
 def test_a_file_that_is_none_has_no_estimate(tmp_path):

@@ -6,7 +6,8 @@ import bpy
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon.patterns import quad_mesh
+from synch_fields.synch_addon.patterns import memory, quad_mesh
+from synch_fields.synch_addon.patterns.other_settings import shows_other_settings
 from synch_fields.synch_addon.settings.fields import source_of
 
 from ..scenes import make_active, places, snapshot, sphere
@@ -80,6 +81,83 @@ def test_directions_follow_what_the_source_follows(ball):
     around = snapshot()
     again(made, faces=300)
     assert snapshot() == around
+
+
+@pytest.fixture
+def click(monkeypatch):
+    """click(name, obj): press the button of an operator, which takes the settings that the panel shows."""
+
+    def pressed(name, obj):
+        make_active(obj)
+        with monkeypatch.context() as patch:
+            operator = getattr(bpy.types, f"SYNCH_OT_{name}")
+            patch.setattr(operator, "execute", lambda self, context: self.invoke(context, None))
+            assert getattr(bpy.ops.synch, name)() == {"FINISHED"}
+        return bpy.context.active_object
+
+    return pressed
+
+
+@pytest.mark.parametrize("automatic", [True, False])
+def test_the_button_offers_an_update_where_settings_are_others(ball, click, automatic):
+    ball.synch.automatic_spacing, ball.synch.spacing = automatic, 0.5
+    ball.synch.faces = 200 if automatic else 0
+    made = click("quad_mesh", ball)
+    assert not shows_other_settings(made, "quad_mesh")
+    changes = [(made, "smoothing", 0), (made, "mesh_branching", 40.0), (ball, "guidance", "AXIS"), (ball, "angle", 0.3)]
+    changes += [(made, "faces", 300)] if automatic else [(made, "spacing", 0.4)]
+    for obj, name, value in changes:
+        before = getattr(obj.synch, name)
+        setattr(obj.synch, name, value)
+        assert shows_other_settings(made, "quad_mesh"), name
+        setattr(obj.synch, name, before)
+        assert not shows_other_settings(made, "quad_mesh"), name
+    for obj, name, value in changes:
+        setattr(obj.synch, name, value)
+    click("quad_mesh_again", made)
+    assert not shows_other_settings(made, "quad_mesh")
+    if automatic:
+        assert len(made.data.polygons) == pytest.approx(300, rel=0.1)
+    bpy.data.objects.remove(ball)
+    assert not shows_other_settings(made, "quad_mesh")  # there is nothing to make it of
+
+
+def test_an_update_follows_the_directions_that_the_panel_shows(ball, click):
+    made = made_of(ball, faces=300)
+    ball.synch_simple.direction, ball.synch.guide.axis = "AXIS", "Y"
+    click("quad_mesh_again", made)
+    other = made_of(ball, faces=300, guidance="axis:Y", angle=ball.synch.angle)
+    assert sorted(map(tuple, places(other))) == sorted(map(tuple, places(made)))
+
+
+def test_a_source_that_has_changed_since_is_noticed(ball, click):
+    made = made_of(ball, faces=200)
+    assert not memory.is_outdated(made)
+    ball.rotation_euler.x, made.location.x = 1.0, 5.0
+    bpy.context.view_layer.update()
+    assert not memory.is_outdated(made)
+    ball.data.vertices[0].co.x += 0.2
+    ball.data.update()
+    bpy.context.view_layer.update()
+    assert memory.is_outdated(made)
+    ball.hide_set(False)
+    make_active(ball)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not memory.is_outdated(made)  # not yet known
+    bpy.ops.object.mode_set(mode="OBJECT")
+    click("quad_mesh_again", made)
+    assert not memory.is_outdated(made)
+    ball.scale.x = 2.0
+    assert memory.is_outdated(made)
+
+
+def test_guides_and_constraints_of_a_quad_mesh_are_those_of_its_source(ball):
+    made = made_of(ball, faces=200)
+    make_active(made)
+    bpy.ops.synch.constraint_add()
+    bpy.ops.synch.guide_add()
+    assert len(ball.synch.constraints) == len(ball.synch.guides) == 1
+    assert not len(made.synch.constraints) + len(made.synch.guides)
 
 
 def test_settings_that_a_script_does_not_name_are_those_of_the_first_quad_mesh(ball):

@@ -15,13 +15,15 @@ from synch_fields.core.fields.clebsch import clebsch_map, layer_sums
 from synch_fields.core.files.flows import ArrayFile
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import Grid, box_grid
+from synch_fields.core.geometry.squares import grid_squares
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks import flows
 from synch_fields.core.tasks.flow_costs import solve_seconds
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
-from synch_fields.core.tasks.flows import FlowRequest, check_grid, extract_vortices
+from synch_fields.core.tasks.flows import FlowRequest, SurfaceFlowRequest, check_grid, extract_vortices
 
+from ..expectation import told_at_once
 from ..flows import ring_curve
 
 RADIUS, NODES = 0.3, 18
@@ -157,26 +159,26 @@ def test_tubes_that_are_blobs_and_filaments_of_a_cell_are_told(ring_file):
     assert found.shown.tubes.blobs or wide.shown.tubes.blobs
 
 
-class _Told:
-    """A callback that keeps what it is told."""
-
-    def __init__(self):
-        self.expected, self.fractions = [], []
-
-    def __call__(self, stage, fraction):
-        self.fractions.append(fraction)
-        return True
-
-    def expect(self, seconds):
-        assert set(self.fractions) == {0.0}
-        self.expected.append(seconds)
-
-
 def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file):
-    told = _Told()
-    FlowRequest(ring_file(), FlowSettings(target_gap=0.1)).solve(told)
-    assert told.expected == [pytest.approx(solve_seconds(NODES**3))]
-    assert told.fractions == sorted(told.fractions)
+    settings = FlowSettings(target_gap=0.1, method="spectral")
+    assert told_at_once(FlowRequest(ring_file(), settings)) == pytest.approx(solve_seconds(NODES**3, settings))
+
+
+def test_frames_take_a_share_of_the_time_of_the_first(ring_file):
+    settings = FlowSettings(target_gap=0.1)
+    files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (1, 2))
+    one = solve_seconds(NODES**3, settings, 1)
+    # No other circulation is tried after the first.
+    assert one < told_at_once(SequenceRequest(files, settings)) < 2 * one < 2 * solve_seconds(NODES**3, settings)
+
+
+def test_flows_on_surfaces_say_how_long_they_take_too():
+    grid = Grid((12, 10), 0.1)
+    velocity = np.column_stack([-grid.places[:, 1], grid.places[:, 0], 0 * grid.places[:, 0]])
+    settings = FlowSettings(quantum=1.0, target_gap=0.1)
+    told = told_at_once(SurfaceFlowRequest(grid_squares(grid), velocity, settings))
+    assert told == pytest.approx(solve_seconds(grid.node_count, settings, is_surface=True))
+    assert told < solve_seconds(grid.node_count, FlowSettings(), is_surface=True)
 
 
 @pytest.mark.parametrize("spacing", [1.0, (1.0, 1.0, 40.0)])

@@ -39,6 +39,7 @@ from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
 from synch_fields.core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 
+from ..expectation import told_at_once
 from ..layered_solids import block
 from ..memory_peak import numbers_of_child
 from ..meshes import CLOSED, cube
@@ -373,6 +374,12 @@ def test_texts_of_paths_hold_their_points(layering):
     assert kinds.count("o") == layering.surfaces.count
     runs = [np.array(row.split()[1:], int) for row in rows if row[0] == "l"]
     assert all((run[0] == run[-1]) == closed for run, closed in zip(runs, lines.closed, strict=True))
+
+
+def test_paths_and_voxels_say_at_once_how_long_they_take(layering):
+    paths, other = (told_at_once(layering.paths(PathSettings(step))) for step in (0.3, 0.15))
+    assert other == pytest.approx(4 * paths)
+    assert told_at_once(layering.voxels(20)) == pytest.approx(8 * told_at_once(layering.voxels(10)))
 
 
 def test_voxels_hold_the_cosine_of_the_phase(layering):
