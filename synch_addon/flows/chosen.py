@@ -14,8 +14,8 @@ from ...core.files.volumes import VolumeFile, world_box
 from ...core.geometry.grid import box_grid
 from ...core.tasks.flow_costs import solve_memory, solve_seconds
 from ..blender.strokes import SOURCE_TYPES
-from .sequence_job import flow_frames
 from .properties import plain
+from .sequence_job import flow_frames
 from .sources import flow_source
 
 
