@@ -21,10 +21,9 @@ from numbers import Real
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import SuperLU, cg
 
-from ..algebra.factorization import factorize
+from ..algebra.factorization import factorize, near_order, solve_definite
 from ..connection import Connection, as_matrices
 from ..defects import wrap
 from ..errors import SettingError
@@ -139,16 +138,7 @@ def varying_part(
     # Where all changes are known the Laplacian is 0, and areas may be 0, too: the shift keeps the matrix definite.
     shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
     smoothing = (diags_array(circulation.areas + shift) + length**2 * laplacian).tocsr()
-    order = _cuthill_mckee_order(smoothing)
-    smooth = np.empty_like(holonomy)
-    smooth[order] = factorize(smoothing[order][:, order], single=False).solve(holonomy[order])
-    return holonomy - circulation.areas * smooth
-
-
-def _cuthill_mckee_order(matrix: csr_matrix) -> np.ndarray:
-    """(s,) order of the rows in which neighbours are near one another. SuperLU finds its own order from this one much
-    faster than from the order of faces in some files."""
-    return reverse_cuthill_mckee(matrix, symmetric_mode=True)
+    return holonomy - circulation.areas * solve_definite(smoothing, holonomy)
 
 
 def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
@@ -205,7 +195,7 @@ def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, rough
         inverse = diags_array(1 / matrix.diagonal())
         result[rows] = cg(matrix, right[rows], rtol=ROUGH, maxiter=ROUGH_STEPS, M=inverse)[0]
         return result
-    order = _cuthill_mckee_order(matrix)
+    order = near_order(matrix)
     rows, matrix = rows[order], matrix[order][:, order]
     right = right[rows]
     factors = _factors(matrix)

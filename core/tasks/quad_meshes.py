@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import TooLargeQuads, lost_lines
-from ..extract.quads.measure.faults import REMEDY, quad_faults
+from ..extract.quads.measure.faults import REMEDY, count_lost_handles, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
@@ -104,7 +104,8 @@ def _solve_again(
     """The best of a mesh and of others, the lines it loses, and faults.
 
     Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
-    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less.
+    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less,
+    unless even tunnels are narrower than quads.
     """
     faces = request.settings.faces
     if _is_bad(found, faces):
@@ -116,7 +117,10 @@ def _solve_again(
                 f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
                 f"{whole:.3g} in length: {REMEDY}",
             )
-    again = _try(replace(request, detail=0.0), progress) if lost.share > LOST and request.detail > 0 else None
+    assert found.quads is not None
+    is_coarse = count_lost_handles(found.quads, request.given.mesh)[0] > 0
+    is_asked = lost.share > LOST and request.detail > 0 and not is_coarse
+    again = _try(replace(request, detail=0.0), progress) if is_asked else None
     if again is not None and again[1].share < lost.share:
         found, lost = again
     return found, lost, ()

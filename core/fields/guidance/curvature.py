@@ -5,7 +5,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import cg
 
-from ...algebra.factorization import factorize
+from ...algebra.factorization import solve_definite
 from ...connection import levi_civita
 from ...geometry.triangle_mesh import TriangleMesh
 
@@ -72,4 +72,4 @@ def _smoothed(mesh: TriangleMesh, transport: np.ndarray, integrals: np.ndarray, 
     nodes = np.arange(count)
     matrix = csr_matrix((values, (np.concatenate([nodes, j, i]), np.concatenate([nodes, i, j]))), (count, count))
     found, failed = cg(matrix, scale * integrals, rtol=_RESIDUAL, maxiter=_STEPS)
-    return scale * (factorize(matrix, single=False).solve(scale * integrals) if failed else found)
+    return scale * (solve_definite(matrix, scale * integrals) if failed else found)
