@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A quad mesh before it is finished: a pattern of which quads are counted, corrected, traced and smoothed."""
+"""A quad mesh before it is finished: a pattern whose quads can be counted, corrected, traced and smoothed."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -73,6 +73,11 @@ def _close(draft: Draft, progress: Callback | None) -> Draft:
         return draft
     pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
     return Draft(request, replace(draft.result, pattern=pattern, loops_before=before))
+
+
+def may_close_tunnels(draft: Draft) -> bool:
+    """Whether there are so many quads, and nothing else, that tunnels may be narrower than they are."""
+    return draft.request.has_only_quads and draft.face_count >= FEW
 
 
 def with_tunnels_closed(draft: Draft) -> Draft:

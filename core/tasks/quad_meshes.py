@@ -21,7 +21,7 @@ from ..fields.target_one_form import TargetOneForm
 from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
-from .quad_drafts import FEW, Draft, complete, draw, finish, settle, with_tunnels_closed
+from .quad_drafts import FEW, Draft, complete, draw, finish, may_close_tunnels, settle, with_tunnels_closed
 from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
 # Share of unsound faces beyond which other spacings with about as many faces are not tried.
-HOPELESS = 0.01
+HOPELESS = 0.02
 # Largest ratio of the wanted to the found number of faces that a correction of the spacing relies on.
 MOST_CHANGE = 16.0
 # A traced mesh with more than this many times FEW faces, where fewer than FEW were expected, is not finished.
@@ -43,9 +43,11 @@ YIELD = 0.97
 LOST, _AGAIN = 0.02, 0.1
 # A mesh is not solved again for lines of at most so many sides of quads: on scans most of these are noise.
 SHORT = 4.0
-# Mean of |angle - 90| over the corners, in degrees: beyond the larger one, crowded sharp edges are left out, and up to
-# the smaller one, a mesh with narrow tunnels closed is better than one with another number of faces.
-BAD_ANGLE, GOOD_ANGLE = 10.0, 6.0
+# Mean of |angle - 90| over the corners, in degrees, beyond which crowded sharp edges are left out.
+BAD_ANGLE = 10.0
+# The same, up to which a mesh without narrow tunnels is preferred to one with another number of faces; beyond, only if
+# its corners are better than that one's.
+GOOD_ANGLE = 6.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
 
@@ -105,25 +107,29 @@ def _solve_again(
 
     Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
     out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less,
-    unless even tunnels are narrower than quads.
+    unless handles were closed.
     """
     faces = request.settings.faces
     if _is_bad(found, faces):
         uncrowded = request.uncrowded(found.settled["spacing"] or request.spacing)
         again = _try(uncrowded, progress) if _count_links(uncrowded) < _count_links(request) else None
-        if again is not None and _is_better(again[0], found, faces):
+        loses_more = again is not None and _loses_handles(request, again[0]) and not _loses_handles(request, found)
+        if again is not None and not loses_more and _is_better(again[0], found, faces):
             whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
             return *again, (
                 f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
                 f"{whole:.3g} in length: {REMEDY}",
             )
-    assert found.quads is not None
-    is_coarse = count_lost_handles(found.quads, request.given.mesh)[0] > 0
-    is_asked = lost.share > LOST and request.detail > 0 and not is_coarse
+    is_asked = lost.share > LOST and request.detail > 0 and not _loses_handles(request, found)
     again = _try(replace(request, detail=0.0), progress) if is_asked else None
-    if again is not None and again[1].share < lost.share:
+    if again is not None and again[1].share < lost.share and not _loses_handles(request, again[0]):
         found, lost = again
     return found, lost, ()
+
+
+def _loses_handles(request: "SurfaceRequest", result: SurfaceResult) -> bool:
+    assert result.quads is not None
+    return count_lost_handles(result.quads, request.given.mesh)[0] > 0
 
 
 def _try(request: "SurfaceRequest", progress: Callback | None) -> tuple[SurfaceResult, _LostLines] | None:
@@ -198,8 +204,8 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         draft = settle(draw(request, directions, part))
         try:
             return complete(draft, part)
-        except SettingError:
-            if draft.face_count < FEW:
+        except TooLargeQuads:
+            if not may_close_tunnels(draft):
                 raise
             return complete(with_tunnels_closed(draft), part)
     spacing = _SpacingFactor(_first_factor(request, directions), faces)
@@ -213,17 +219,17 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
         try:
-            drafts.append(draw(_scale_spacing(request, spacing.factor), directions, part))
-            count = drafts[-1].face_count
+            draft = draw(_scale_spacing(request, spacing.factor), directions, part)
+            count = draft.face_count
+            drafts.append(draft)
             # Tracing raises SettingError if the quads are too large for a mesh, before more work goes into it.
             traced = len(request.trace(drafts[-1].result.pattern)[0].sizes) if count < FEW else 0
             if traced > SPOILT * FEW:
                 drafts.pop()
                 count = traced
             elif drafts[-1].misses(wanted) <= NEAR:
-                refused.append(settle(drafts.pop()))
-                found.append(complete(refused[-1], part))
-                refused.pop()
+                draft = settle(drafts.pop())
+                found.append(complete(draft, part))
                 if _misses(found[-1], faces) <= NEAR:
                     return found[-1]
                 wanted = faces * count / _face_count(found[-1])
@@ -231,9 +237,14 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             raise
         except TooManyLines as error:
             raise SettingError(f"{faces} faces are too many for this mesh ({error}): ask for fewer") from None
-        except SettingError as error:
-            if refused and isinstance(error, TooLargeQuads) and error.share > HOPELESS:
-                break
+        except TooLargeQuads as error:
+            if may_close_tunnels(draft):
+                refused.append(draft)
+                if error.share > HOPELESS:
+                    break
+            spacing.be_smaller()
+            continue
+        except SettingError:
             spacing.be_smaller()
             continue
         spacing.correct(count * faces / wanted)
@@ -258,14 +269,17 @@ def _best_count(
         settled = settle(draft)
         try:
             results.append(complete(settled))
+        except TooLargeQuads:
+            refused += [settled] if may_close_tunnels(settled) else []
         except SettingError:
-            refused.append(settled)
+            continue
     best = min(results, key=lambda result: _misses(result, faces), default=None)
     nearest = min(refused, key=lambda draft: draft.misses(wanted), default=None)
-    if nearest and nearest.face_count >= FEW and (best is None or nearest.misses(wanted) < FAR < _misses(best, faces)):
+    if nearest is not None and (best is None or _misses(best, faces) > FAR):
         with suppress(SettingError):
             closed = complete(with_tunnels_closed(nearest))
-            if best is None or _mean_angle(closed) <= max(GOOD_ANGLE, _mean_angle(best)):
+            is_nearer = best is None or _misses(closed, faces) < _misses(best, faces)
+            if is_nearer and (best is None or _mean_angle(closed) <= max(GOOD_ANGLE, _mean_angle(best))):
                 return closed
     if best is None:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")

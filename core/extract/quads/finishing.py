@@ -13,7 +13,7 @@ from .features.chains import Chains, follow_features
 from .features.feature_lines import FeatureLines
 from .repair.all_quads import all_quads
 from .repair.edge_flips import flip_edges
-from .repair.narrow_tunnels import close_narrow_tunnels
+from .repair.narrow_tunnels import close_narrow_tunnels, find_flat_faces
 from .repair.quad_collapse import collapse_quads
 from .repair.tip_recovery import recover_tips
 from .smooth.fitting import fit_quads
@@ -63,8 +63,8 @@ def finish_quads(
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
         chains = None if chains is None else chains.of_vertices(kept)
-    flat = quads.has_twin
-    if closes_tunnels and flat.any():  # pieces of so few quads that these are their two sides
+    flat = find_flat_faces(quads) if closes_tunnels else np.zeros(len(quads.sizes), bool)
+    if flat.any():  # two faces on the same vertices have no volume
         kept, quads = np.unique(quads.corner_vertices[~flat[quads.corner_faces]]), quads.only(~flat)
         chains = None if chains is None else chains.of_vertices(kept)
     check_quads(quads, mesh, closes_tunnels)

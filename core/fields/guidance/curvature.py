@@ -9,8 +9,9 @@ from ...algebra.factorization import solve_definite
 from ...connection import levi_civita
 from ...geometry.triangle_mesh import TriangleMesh
 
-# Relative residual of the smoothed tensor, and steps in which conjugate gradients reach it on all but thin triangles.
-_RESIDUAL, _STEPS = 1e-3, 200
+# Relative residual of the smoothed tensor, and steps in which conjugate gradients reach it, but for long thin triangles
+# and lengths of more than a hundred edges.
+_RESIDUAL, _STEPS = 1e-3, 500
 
 
 def principal_directions(

@@ -262,7 +262,9 @@ def test_holes_narrower_than_a_quad_are_closed_where_quads_would_meet_themselves
     result = asked(mesh, features=ANGLE, smoothing=20, **asked_for).solve()
     lost, faces = (result.quads.euler_characteristic - mesh.euler_characteristic) // 2, len(result.quads.sizes)
     assert 0 < lost <= 9
-    assert faces == pytest.approx(asked_for.get("faces", mesh.areas.sum() / 0.475**2), rel=0.08)
+    assert faces == pytest.approx(
+        asked_for.get("faces", mesh.areas.sum() / 0.475**2), rel=0.05 if "faces" in asked_for else 0.08
+    )
     assert (result.quads.edges[1] == 2).all() and quality(result.quads)["folds"] < 0.01 * faces
     assert any(f"{lost} of 9 tunnels or handles of the surface" in line for line in result.warnings)
     # The plate is as large as before, and its flat sides are where they were.

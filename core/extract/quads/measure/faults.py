@@ -26,13 +26,14 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     short = int((lengths < SHORTEST * np.median(lengths)).sum())
     large = int((quads.sizes > MOST_CORNERS).sum())
     away = distance(quads, mesh, FARTHEST * figures["edge_length"])
-    faces, (lost, handles) = len(quads.sizes), count_lost_handles(quads, mesh)
+    faces, (lost, handles), cut = len(quads.sizes), count_lost_handles(quads, mesh), count_cuts(quads, mesh)
     found = (
         (short, f"{short} of {len(lengths)} edges of the quad mesh have no length"),
         (large, f"{large} of {faces} faces have more than {MOST_CORNERS} corners"),
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
         (lost > 0, f"{lost} of {handles} tunnels or handles of the surface are narrower than the quads and left out"),
+        (cut > 0, f"the surface is cut where it is narrower than the quads, into {cut} pieces more"),
         (
             away > FARTHEST * figures["edge_length"],
             f"the quad mesh is {away:.3g} away from the surface where it is farthest, at an edge of "
@@ -43,16 +44,33 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
 
 
 def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:
-    """Count the handles of a closed surface that its quad mesh lacks, and all of them; none if it is open.
+    """Count the handles of a surface that its quad mesh lacks, and all of them, but those of pieces that it leaves out.
 
-    Pieces that the quad mesh leaves out are not counted.
+    A surface with a boundary has those of the closed one that it becomes with a disk in each hole.
     """
-    if len(mesh.boundary_edges):
-        return 0, 0
-    kept = np.unique(mesh.pieces[mesh.triangles[quads.triangles, 0]])
-    handles = int((2 - mesh.piece_euler_characteristics[kept]).sum()) // 2
-    parts = components(len(quads.vertices), quads.half_edges).max(initial=-1) + 1
-    return handles - (2 * parts - quads.euler_characteristic) // 2, handles
+    kept = np.isin(mesh.pieces, mesh.pieces[mesh.triangles[quads.triangles, 0]])
+    edges, counts = quads.edges
+    characteristic = int(mesh.piece_euler_characteristics[np.unique(mesh.pieces[kept])].sum())
+    rims = mesh.edges[mesh.boundary_edges]
+    of_surface = _count_handles(mesh.pieces[kept], characteristic, rims[kept[rims[:, 0]]])
+    return of_surface - _count_handles(_parts(quads), quads.euler_characteristic, edges[counts == 1]), of_surface
+
+
+def count_cuts(quads: QuadMesh, mesh: TriangleMesh) -> int:
+    """Count the pieces that a quad mesh has more than the pieces of the surface that it is on."""
+    return int(_parts(quads).max(initial=-1)) + 1 - len(np.unique(mesh.pieces[mesh.triangles[quads.triangles, 0]]))
+
+
+def _parts(quads: QuadMesh) -> np.ndarray:
+    """(n,) label of the connected part of each vertex."""
+    return components(len(quads.vertices), quads.half_edges)
+
+
+def _count_handles(pieces: np.ndarray, characteristic: int, rims: np.ndarray) -> int:
+    """The handles of a surface with labels of pieces, V - E + F, and (k, 2) vertices of boundary edges."""
+    vertices, ends = np.unique(rims, return_inverse=True)
+    loops = components(len(vertices), ends.reshape(-1, 2)).max(initial=-1) + 1
+    return (2 * len(np.unique(pieces)) - characteristic - int(loops)) // 2
 
 
 def distance(quads: QuadMesh, mesh: TriangleMesh, enough: float = 0.0) -> float:

@@ -5,90 +5,108 @@ The surface is cut through a face that passes a vertex twice, or along two edges
 the cut are closed: the face becomes two, and each half of an edge is joined to one of the other edge.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from ....graphs import components, ragged_arange
+from ....graphs import components
 from ..trace.quad_mesh import QuadMesh, repeats
+
+# Parts with fewer faces that are cut off are left out.
+FEWEST_FACES = 8
 
 
 def close_narrow_tunnels(quads: QuadMesh) -> QuadMesh:
     """The quad mesh with different corners in each face, and one edge between two vertices.
 
-    Of parts that are connected through what is closed, the largest one is kept. Two faces with the same vertices are
-    the two sides of what is too thin, and left out.
+    Two faces on the same vertices have no volume and are left out, as are parts of few faces that were cut off from
+    others. Edges with the same ends stay where more than two of them cross.
     """
     pieces = components(len(quads.vertices), quads.half_edges)
-    faces = list(_simple_faces(quads))
+    faces = [part for corners in _face_corners(quads) for part in _simple_faces(corners)]
+    if not faces:
+        return quads.only(np.zeros(len(quads.sizes), bool))
     before = pieces[[face[0] for face in faces]]
     quads = _join_halves(quads.with_faces(np.concatenate(faces), np.array([len(face) for face in faces])))
-    flat = quads.has_twin
-    if flat.any():
-        quads, before = _join_halves(quads.only(~flat)), before[~flat]
-    return _largest_parts(quads, before)
+    flat = find_flat_faces(quads)
+    thick = quads.only(~flat)
+    return thick if flat.all() else _without_crumbs(_join_halves(thick), before[~flat])
+
+
+def find_flat_faces(quads: QuadMesh) -> np.ndarray:
+    """Find the faces that go around the same vertices as another one, in the other direction, (f,) bool."""
+    flat = np.zeros(len(quads.sizes), bool)
+    for size in np.unique(quads.sizes):
+        faces, places = np.flatnonzero(quads.sizes == size), np.arange(size)
+        corners = quads.corner_vertices[quads.starts[faces, None] + places]
+        first = corners.argmin(axis=1)[:, None]
+        ahead, back = (np.take_along_axis(corners, (first + way) % size, axis=1) for way in (places, -places))
+        labels = np.unique(np.concatenate([ahead, back]), axis=0, return_inverse=True)[1].ravel()
+        flat[faces] = np.isin(labels[: len(faces)], labels[len(faces) :])
+    return flat
+
+
+def _face_corners(quads: QuadMesh) -> list[np.ndarray]:
+    return np.split(quads.corner_vertices, quads.starts[1:]) if len(quads.sizes) else []
+
+
+def _simple_faces(corners: np.ndarray) -> list[list[int]]:
+    """Corners of the parts of a face, which is divided where it passes a vertex twice, but those of two corners."""
+    parts, way = [], list[int]()
+    for corner in [*corners.tolist(), int(corners[0])]:
+        if corner in way:
+            at = way.index(corner)
+            parts.append(way[at:])
+            del way[at:]
+        way.append(corner)
+    return [part for part in parts if len(part) > 2]
 
 
 def _join_halves(quads: QuadMesh) -> QuadMesh:
-    """The quad mesh with two faces at each edge, and a vertex of its own for each fan of faces around one."""
-    names = np.unique(np.sort(quads.half_edges, axis=1) @ [len(quads.vertices), 1], return_inverse=True)[1]
-    divided = _divide_vertices(quads, names, np.empty(0, int))
-    crossed = names[repeats(divided.half_edges)]
-    return divided if len(crossed) == 0 else _divide_vertices(quads, names, crossed)
+    """The quad mesh with two faces at each edge, and a vertex of its own for each fan of faces around one.
 
-
-def _simple_faces(quads: QuadMesh) -> Iterator[np.ndarray]:
-    """Corners of each face; it is divided where it passes a vertex twice, and parts with two corners are left out."""
-    for corners in np.split(quads.corner_vertices, quads.starts[1:]):
-        way: list[int] = []
-        for corner in [*corners.tolist(), corners[0]]:
-            if corner in way:
-                at = way.index(corner)
-                if len(way) - at > 2:
-                    yield np.array(way[at:])
-                del way[at:]
-            way.append(corner)
-
-
-def _divide_vertices(quads: QuadMesh, names: np.ndarray, crossed: np.ndarray) -> QuadMesh:
-    """The quad mesh with a vertex of its own for each fan of faces around one.
-
-    Parameters
-    ----------
-    names : (c,) of the two ends of each half-edge
-    crossed : names of edges with the same ends whose halves are joined in another order
+    Halves of several edges with the same ends are joined where they are the two sides of a fan of faces between other
+    edges. That cuts the surface along these edges.
     """
-    first, second = _opposite(quads, names, crossed)
-    following = quads.next_corners
-    pairs = np.concatenate([np.stack([first, following[second]]), np.stack([following[first], second])], axis=1)
-    fans = components(len(names), pairs.T)
-    _, corners = np.unique(fans, return_index=True)
-    at = quads.corner_vertices[corners]
+    names = np.unique(np.sort(quads.half_edges, axis=1), axis=0, return_inverse=True)[1].ravel()
+    forward = quads.half_edges[:, 0] < quads.half_edges[:, 1]
+    # A forward half and a backward one have the same tail and head if the corners after them change places.
+    tails = np.where(forward, np.arange(len(names)), quads.next_corners)
+    heads = np.where(forward, quads.next_corners, np.arange(len(names)))
+    alone = ~repeats(np.column_stack([names, forward]))
+    joined = _pairs(names, forward, alone)
+    fans = _fans(tails, heads, joined)
+    several = np.flatnonzero(~alone)
+    in_fan = np.unique(np.column_stack([names, fans[tails]]), axis=0, return_inverse=True)[1].ravel()
+    joined = np.concatenate([joined, _pairs(in_fan, forward, ~alone)])
+    left = np.setdiff1d(several, joined)
+    for name in np.unique(names[left]):
+        halves = left[names[left] == name]
+        ahead, back = halves[forward[halves]], halves[~forward[halves]]
+        count = min(len(ahead), len(back))
+        joined = np.concatenate([joined, np.column_stack([ahead[:count], back[:count]])])
+    fans = _fans(tails, heads, joined)
+    at = quads.corner_vertices[np.unique(fans, return_index=True)[1]]
     return QuadMesh(quads.vertices[at], quads.triangles[at], quads.weights[at], fans, quads.sizes)
 
 
-def _opposite(quads: QuadMesh, names: np.ndarray, crossed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) half-edges and (k,) those in the opposite direction that they are joined to."""
-    tails, heads = quads.half_edges.T
-    first, ranks = _ranked(np.flatnonzero(tails < heads), names)
-    second, others = _ranked(np.flatnonzero(tails > heads), names)
-    turned = np.isin(names[second], crossed)
-    others[turned] = np.bincount(names[second])[names[second[turned]]] - 1 - others[turned]
-    keys, other_keys = names[first] * len(names) + ranks, names[second] * len(names) + others
-    _, at, there = np.intersect1d(keys, other_keys, assume_unique=True, return_indices=True)
-    return first[at], second[there]
+def _pairs(names: np.ndarray, forward: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+    """(k, 2) the forward and the backward half-edge of a name, one pair for each name that has both."""
+    ahead, back = np.flatnonzero(allowed & forward), np.flatnonzero(allowed & ~forward)
+    _, first, second = np.intersect1d(names[ahead], names[back], return_indices=True)
+    return np.column_stack([ahead[first], back[second]])
 
 
-def _ranked(halves: np.ndarray, names: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Half-edges in the order of their names, and the rank of each among those of its name."""
-    halves = halves[np.argsort(names[halves], kind="stable")]
-    _, counts = np.unique(names[halves], return_counts=True)
-    return halves, ragged_arange(counts)[1]
+def _fans(tails: np.ndarray, heads: np.ndarray, joined: np.ndarray) -> np.ndarray:
+    """(c,) label of the fan of faces that each corner is in, of faces that are joined at (k, 2) half-edges.
+
+    ``tails`` and ``heads`` are the corners at the two ends of each half-edge, in the same direction for both halves.
+    """
+    return components(len(tails), np.concatenate([tails[joined], heads[joined]]))
 
 
-def _largest_parts(quads: QuadMesh, before: np.ndarray) -> QuadMesh:
-    """The quad mesh with the largest of all parts whose faces have the same one of (f,) numbers."""
-    now = components(len(quads.vertices), quads.half_edges)[quads.corner_vertices[quads.starts]]
-    order = np.lexsort((now, np.bincount(now)[now], before))
-    last = np.append(before[order][1:] != before[order][:-1], True)
-    return quads.only(np.isin(now, now[order[last]]))
+def _without_crumbs(quads: QuadMesh, before: np.ndarray) -> QuadMesh:
+    """The quad mesh without parts of few faces, unless none with the same one of (f,) numbers is larger."""
+    parts = components(len(quads.vertices), quads.half_edges)[quads.corner_vertices[quads.starts]]
+    sizes = np.bincount(parts)[parts]
+    largest = np.zeros(before.max() + 1, int)
+    np.maximum.at(largest, before, sizes)
+    return quads.only(sizes >= np.minimum(largest[before], FEWEST_FACES))

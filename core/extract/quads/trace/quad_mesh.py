@@ -75,18 +75,12 @@ class QuadMesh:
     @property
     def is_unsound(self) -> np.ndarray:
         """(f,) bool: faces without three different corners, or with the vertices or a half-edge of another one."""
-        result = (self.sizes < 3) | self.has_twin
-        corners = np.column_stack([self.corner_faces, self.corner_vertices])
-        result[self.corner_faces[repeats(corners) | repeats(self.half_edges)]] = True
-        return result
-
-    @property
-    def has_twin(self) -> np.ndarray:
-        """(f,) bool: faces with the same vertices as another one."""
-        result = np.zeros(len(self.sizes), bool)
+        result = self.sizes < 3
         for size in np.unique(self.sizes):
             faces = np.flatnonzero(self.sizes == size)
-            result[faces] = repeats(np.sort(self.corner_vertices[self.starts[faces, None] + np.arange(size)], axis=1))
+            result[faces] |= repeats(np.sort(self.corner_vertices[self.starts[faces, None] + np.arange(size)], axis=1))
+        corners = np.column_stack([self.corner_faces, self.corner_vertices])
+        result[self.corner_faces[repeats(corners) | repeats(self.half_edges)]] = True
         return result
 
     @property
