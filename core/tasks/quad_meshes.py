@@ -47,7 +47,7 @@ SHORT = 4.0
 BAD_ANGLE = 10.0
 # The same, up to which a mesh without narrow tunnels is preferred to one with another number of faces; beyond, only if
 # its corners are better than that one's.
-GOOD_ANGLE = 6.0
+GOOD_ANGLE = 8.0
 # Share of the work for directions.
 _DIRECTIONS = 0.4
 
