@@ -19,7 +19,7 @@ from synch_fields.synch_addon.patterns.job import FieldJob
 from ..event_loop import by_the_worker
 from ..scenes import attribute, quad_sphere
 
-SPACING = 0.5
+SPACING = 0.8
 COMMANDS = ("stripes", "quad_mesh", "layers")
 
 
