@@ -19,27 +19,31 @@ from synch_fields.synch_addon.patterns.job import FieldJob
 from ..event_loop import by_the_worker
 from ..scenes import attribute, quad_sphere
 
-SPACING = 0.5
-COMMANDS = ("stripes", "quad_mesh", "layers")
+COMMANDS = {
+    "stripes": {"spacing": 0.6},
+    "quad_mesh": {"spacing": 0.6},
+    "layers": {"spacing": 0.6, "size": 0.3},
+}
 
 
 def from_the_window(command, obj):
     """As the window does it: by the worker."""
     if command == "layers":
-        job = api.layer_job(obj, LayerSettings(spacing=SPACING))
+        job = api.layer_job(obj, LayerSettings(**COMMANDS[command]))
     else:
-        job = FieldJob(command, obj, SurfaceSettings(spacing=SPACING))
+        job = FieldJob(command, obj, SurfaceSettings(**COMMANDS[command]))
     work = by_the_worker(job)
     assert work.error is None, work.error
     job.write(work.result)
 
 
 def from_a_script(command, obj):
-    getattr(api, command)(obj, spacing=SPACING)
+    getattr(api, command)(obj, **COMMANDS[command])
 
 
 def from_the_command_line(command, path, output):
-    run = [sys.executable, "-m", "synch_fields", command, path, "--quiet", "--output", output, f"--spacing={SPACING}"]
+    flags = [f"--{name}={value}" for name, value in COMMANDS[command].items()]
+    run = [sys.executable, "-m", "synch_fields", command, path, "--quiet", "--output", output, *flags]
     subprocess.run([str(part) for part in run], check=True, env=os.environ, capture_output=True)
 
 

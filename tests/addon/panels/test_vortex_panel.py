@@ -43,9 +43,9 @@ def estimated():
 
 def test_the_estimate_is_the_grid_that_is_solved(tmp_path):
     settings = bpy.context.scene.synch_vortices
-    settings.resolution = 24
+    settings.resolution = 16
     settings.by, settings.quantum = "CIRCULATION", 1.0
-    rough = {"resolution": 24, "method": "spectral"}
+    rough = {"resolution": 16, "method": "spectral"}
     assert not [text for text in drawn(SYNCH_PT_vortices)[0] if "nodes" in text]  # nothing is chosen
     settings.filepath = str(write_vdb(tmp_path / "ring.vdb"))
     solved = api.clebsch(settings.filepath, **rough)
