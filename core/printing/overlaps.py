@@ -37,7 +37,8 @@ def find_overlaps(
     middles, numbers = tops - heights[piece, None] / 2 * tools[piece], lines.numbers
     tree, reach = cKDTree(middles), float(np.hypot(widths, heights).max(initial=0)) / 2
     steps = np.linalg.norm(tips[lines.next] - tips, axis=1)
-    along, lengths = lines.sum_before(steps), np.bincount(numbers, steps)[numbers]
+    # A line of one point has no length, and nothing of it is behind.
+    along, lengths = lines.sum_before(steps), np.maximum(np.bincount(numbers, steps), np.finfo(float).tiny)[numbers]
 
     def pairs(points: np.ndarray, places: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Each pair of a point and an earlier one whose bead contains the first one's place, in order of the first.

@@ -93,3 +93,10 @@ def test_a_line_that_comes_back_below_its_own_top_is_left_out_there_wherever_it_
     # Up to a width behind, the tip stands on its own bead.
     assert not found[order <= 41].any()
     assert found[(order > 41) & (order < 79)].all()
+
+
+def test_a_closed_line_of_one_point_is_outside_of_itself():
+    lines = replace(lines_at(np.array([[1.0, 1.0]]), [1]), ends=np.array([[End.CLOSED] * 2]))
+    with np.errstate(all="raise"):
+        found = find_overlaps(lines, np.ones((1, 3)), np.array([[0.0, 0, 1]]), np.ones(1), np.ones(1), 0.4)
+    assert not found.any()
