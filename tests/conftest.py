@@ -14,7 +14,7 @@ TESTS = Path(__file__).parent
 EACH = {"blender", "looks", "nodes", "operators", "panels"}
 # Rooms that are about the search for fields: there it is as long as for users. So it is in files and tests with one of
 # these marks, and in child processes. Elsewhere it has this share of the usual number of tries.
-SEARCHED, MARKS, FEW, USUAL = ("core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
+SEARCHED, MARKS, FEW, USUAL = ("core/algebra", "core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
 
 
 def pytest_addoption(parser):
