@@ -162,7 +162,7 @@ def _in_batches(
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
     fewest = min(size * count // WORTH_SHARING, 2 * -(-count // (2 * SHARED_BATCH)))  # even, for two cores
-    batches = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
+    batches = np.array_split(columns, max(-(-count // most), min(fewest, count), 1), axis=-1)
     numbers = size * batches[0].shape[-1]
     fitting = SHARE_OF_MEMORY * room().usable / (ARRAYS * stage.matrix.dtype.itemsize * numbers)
     at_once = max(MOST_AT_ONCE // numbers, int(min(fitting, len(batches))), 2)

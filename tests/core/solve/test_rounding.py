@@ -187,6 +187,14 @@ def test_as_many_cores_work_at_once_as_fit_into_memory(monkeypatch, usable, want
     assert asked == [wanted]
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 25])
+def test_no_batch_is_empty_however_large_the_mesh(count):
+    stage = SimpleNamespace(matrix=SimpleNamespace(shape=(500_000, 500_000), dtype=np.dtype(np.complex64)), width=1)
+    batches = []
+    rounding._in_batches(stage, lambda batch, monitor: batches.append(batch) or batch, np.arange(count), SILENT)
+    assert min(len(batch) for batch in batches) > 0 and sum(len(batch) for batch in batches) == count
+
+
 def test_the_best_of_all_pairs_come_back_in_order(monkeypatch):
     piece = only_piece(direction_problem(bumpy_torus(10), 4))
     workspace, lifted, density = relaxed(piece)
