@@ -151,8 +151,11 @@ def _inside_parallel_edges(graph: LineGraph, traced: LineGraph, positions: np.nd
     ends = np.sort(graph.tails.reshape(-1, 2), axis=1) @ [len(graph.kept), 1]
     _, labels, counts = np.unique(ends, return_inverse=True, return_counts=True)
     inside: list[int] = []
+    follow = _Paths(traced)
+    darts, last = 2 * np.flatnonzero(counts[labels] > 1), graph.heads
     for label in np.flatnonzero(counts > 1):
-        paths = [np.array(_path(graph, 2 * edge, traced)) for edge in np.flatnonzero(labels == label).tolist()]
+        parallel = darts[labels[darts // 2] == label].tolist()
+        paths = [follow(int(graph.tails[dart]), float(graph.keys[dart]), int(last[dart])) for dart in parallel]
         along = [np.append(0, np.linalg.norm(np.diff(positions[path], axis=0), axis=1).cumsum()) for path in paths]
         for number in np.argsort([places[-1] for places in along])[1:]:
             path, between = paths[number][1:-1], along[number][1:-1]
@@ -160,15 +163,27 @@ def _inside_parallel_edges(graph: LineGraph, traced: LineGraph, positions: np.nd
     return inside
 
 
-def _path(graph: LineGraph, dart: int, traced: LineGraph) -> list[int]:
-    """The nodes along a dart's edge in the graph before its cleaning, up to the first where lines crossed that were
-    removed, and the edge's end."""
-    path, last = [int(graph.tails[dart])], int(graph.heads[dart])
-    found = np.flatnonzero((traced.tails == path[0]) & (traced.keys == graph.keys[dart]))
-    while len(found) == 1:
-        path.append(int(traced.heads[found[0]]))
-        found = np.setdiff1d(np.flatnonzero(traced.tails == path[-1]), found ^ 1) if path[-1] != last else found[:0]
-    return path if path[-1] == last else [*path, last]
+class _Paths:
+    """Nodes along the edges of a graph from before its cleaning."""
+
+    def __init__(self, traced: LineGraph) -> None:
+        self._heads, self._keys = traced.heads, traced.keys
+        self._order = np.argsort(traced.tails, kind="stable")
+        self._starts = np.searchsorted(traced.tails[self._order], np.arange(len(traced.kept) + 1))
+
+    def __call__(self, first: int, key: float, last: int) -> np.ndarray:
+        """The nodes along an edge that leaves the first node at a key, up to the first where lines crossed that were
+        removed, and the last one."""
+        path = [first]
+        found = self._leaving(first)
+        found = found[self._keys[found] == key]
+        while len(found) == 1:
+            path.append(int(self._heads[found[0]]))
+            found = np.setdiff1d(self._leaving(path[-1]), found ^ 1) if path[-1] != last else found[:0]
+        return np.array(path if path[-1] == last else [*path, last])
+
+    def _leaving(self, node: int) -> np.ndarray:
+        return self._order[self._starts[node] : self._starts[node + 1]]
 
 
 def _without_short_edges(quads: QuadMesh) -> QuadMesh:
