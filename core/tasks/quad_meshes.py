@@ -106,30 +106,29 @@ def _solve_again(
     """The best of a mesh and of others, the lines it loses, and faults.
 
     Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
-    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less,
-    unless handles were closed.
+    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less.
     """
     faces = request.settings.faces
     if _is_bad(found, faces):
         uncrowded = request.uncrowded(found.settled["spacing"] or request.spacing)
         again = _try(uncrowded, progress) if _count_links(uncrowded) < _count_links(request) else None
-        loses_more = again is not None and _loses_handles(request, again[0]) and not _loses_handles(request, found)
-        if again is not None and not loses_more and _is_better(again[0], found, faces):
+        if again is not None and _is_better(again[0], found, faces) and _keeps_handles(request, again[0], found):
             whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
             return *again, (
                 f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
                 f"{whole:.3g} in length: {REMEDY}",
             )
-    is_asked = lost.share > LOST and request.detail > 0 and not _loses_handles(request, found)
-    again = _try(replace(request, detail=0.0), progress) if is_asked else None
-    if again is not None and again[1].share < lost.share and not _loses_handles(request, again[0]):
+    again = _try(replace(request, detail=0.0), progress) if lost.share > LOST and request.detail > 0 else None
+    if again is not None and again[1].share < lost.share and _keeps_handles(request, again[0], found):
         found, lost = again
     return found, lost, ()
 
 
-def _loses_handles(request: "SurfaceRequest", result: SurfaceResult) -> bool:
-    assert result.quads is not None
-    return count_lost_handles(result.quads, request.given.mesh)[0] > 0
+def _keeps_handles(request: "SurfaceRequest", result: SurfaceResult, other: SurfaceResult) -> bool:
+    """Whether a quad mesh has all handles of the surface, or the other one lacks some, too."""
+    assert result.quads is not None and other.quads is not None
+    mesh = request.given.mesh
+    return count_lost_handles(result.quads, mesh)[0] <= 0 or count_lost_handles(other.quads, mesh)[0] > 0
 
 
 def _try(request: "SurfaceRequest", progress: Callback | None) -> tuple[SurfaceResult, _LostLines] | None:
