@@ -107,7 +107,8 @@ class SYNCH_OT_next_defect(_DefectOperator, PromptOperator, bpy.types.Operator):
 
 
 def place_of(empty):
-    """The matrix of an empty in the world; Blender computes only those that are not hidden."""
+    """The matrix of an empty in the world. Blender does not compute that of a hidden one, which gets its place on the
+    object without deformation."""
     return empty.matrix_world if empty.visible_get() else empty.parent.matrix_world @ empty.matrix_basis
 
 

@@ -27,7 +27,8 @@ SHARES = (0.8, 0.4, 0.15)
 def evenly_traced(mesh: TriangleMesh, vectors: np.ndarray, symmetry: int, limit: int) -> Streamlines:
     """Evenly spaced :class:`Streamlines`, at most about ``limit`` of full length; arguments as :func:`trace`."""
     area = mesh.areas.sum()
-    # At least so far apart that lines of full length, ASPECT times as long, are no more than the limit.
+    # A line of full length, ASPECT times the distance to the next one, takes up ASPECT squares of that distance. The
+    # distance is large enough that no more such lines than the limit fill the area.
     apart = min(EDGES_APART * mesh.edge_lengths.mean(), np.sqrt(area) / LINES_ACROSS)
     apart = max(apart, np.sqrt(area / (ASPECT * limit)))
     triangles, weights = even_seeds(mesh, int(np.ceil(SEEDS * area / apart**2)))

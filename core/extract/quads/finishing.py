@@ -62,11 +62,11 @@ def finish_quads(
     if only_quads and (quads.sizes == 4).all():
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
-        chains = None if chains is None else chains.of_vertices(kept)
-    flat = find_flat_faces(quads) if closes_tunnels else np.zeros(len(quads.sizes), bool)
-    if flat.any():  # two faces on the same vertices have no volume
-        kept, quads = np.unique(quads.corner_vertices[~flat[quads.corner_faces]]), quads.only(~flat)
-        chains = None if chains is None else chains.of_vertices(kept)
+        chains = chains and chains.of_vertices(kept)
+    if closes_tunnels:  # collapses may leave two faces that enclose no volume
+        thick = ~find_flat_faces(quads)
+        kept, quads = np.unique(quads.corner_vertices[thick[quads.corner_faces]]), quads.only(thick)
+        chains = chains and chains.of_vertices(kept)
     check_quads(quads, mesh, closes_tunnels)
     if rounds == 0:
         return quads

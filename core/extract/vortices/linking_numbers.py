@@ -48,8 +48,10 @@ class Linked:
 
 
 def linking_numbers(lines: Sequence[Filament], box: ArrayLike) -> Linked | None:
-    """The :class:`Linked` of filaments in a box with periods of (3,) lengths, 0 where there is none; None where that
-    would take more than ``MOST_PAIRS`` pairs of segments."""
+    """Compute the :class:`Linked` of filaments; None if that would take more than ``MOST_PAIRS`` pairs of segments.
+
+    ``box`` has the (3,) lengths of the periods of the box that they are in, 0 along axes without a period.
+    """
     loops = [k for k, line in enumerate(lines) if line.is_loop]
     points, strengths = [lines[k].points for k in loops], np.array([lines[k].strength for k in loops])
     images = [

@@ -26,14 +26,22 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     short = int((lengths < SHORTEST * np.median(lengths)).sum())
     large = int((quads.sizes > MOST_CORNERS).sum())
     away = distance(quads, mesh, FARTHEST * figures["edge_length"])
-    faces, (lost, handles), cut = len(quads.sizes), count_lost_handles(quads, mesh), count_cuts(quads, mesh)
+    faces, (lost, handles), (parts, pieces) = (
+        len(quads.sizes),
+        count_lost_handles(quads, mesh),
+        count_parts(quads, mesh),
+    )
     found = (
         (short, f"{short} of {len(lengths)} edges of the quad mesh have no length"),
         (large, f"{large} of {faces} faces have more than {MOST_CORNERS} corners"),
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
         (lost > 0, f"{lost} of {handles} tunnels or handles of the surface are narrower than the quads and left out"),
-        (cut > 0, f"the surface is cut where it is narrower than the quads, into {cut} pieces more"),
+        (
+            parts > pieces,
+            f"the quad mesh has {parts} pieces instead of {pieces}, since it is cut where the surface is narrower than "
+            "the quads",
+        ),
         (
             away > FARTHEST * figures["edge_length"],
             f"the quad mesh is {away:.3g} away from the surface where it is farthest, at an edge of "
@@ -44,9 +52,9 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
 
 
 def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:
-    """Count the handles of a surface that its quad mesh lacks, and all of them, but those of pieces that it leaves out.
+    """Count the handles that a surface has and its quad mesh lacks, and all handles of the surface.
 
-    A surface with a boundary has those of the closed one that it becomes with a disk in each hole.
+    Pieces of the surface that the quad mesh leaves out do not count. A boundary counts as closed by a disk.
     """
     kept = np.isin(mesh.pieces, mesh.pieces[mesh.triangles[quads.triangles, 0]])
     edges, counts = quads.edges
@@ -56,9 +64,9 @@ def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:
     return of_surface - _count_handles(_parts(quads), quads.euler_characteristic, edges[counts == 1]), of_surface
 
 
-def count_cuts(quads: QuadMesh, mesh: TriangleMesh) -> int:
-    """Count the pieces that a quad mesh has more than the pieces of the surface that it is on."""
-    return int(_parts(quads).max(initial=-1)) + 1 - len(np.unique(mesh.pieces[mesh.triangles[quads.triangles, 0]]))
+def count_parts(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:
+    """Count the pieces of a quad mesh, and the pieces of the surface that it is on."""
+    return int(_parts(quads).max(initial=-1)) + 1, len(np.unique(mesh.pieces[mesh.triangles[quads.triangles, 0]]))
 
 
 def _parts(quads: QuadMesh) -> np.ndarray:

@@ -17,8 +17,8 @@ FEWEST_FACES = 8
 def close_narrow_tunnels(quads: QuadMesh) -> QuadMesh:
     """The quad mesh with different corners in each face, and one edge between two vertices.
 
-    Two faces on the same vertices have no volume and are left out, as are parts of few faces that were cut off from
-    others. Edges with the same ends stay where more than two of them cross.
+    Two faces on the same vertices enclose no volume and are left out. So are small parts that the cuts separate from
+    the rest. Edges with the same ends stay where more than two of them cross.
     """
     pieces = components(len(quads.vertices), quads.half_edges)
     faces = [part for corners in _face_corners(quads) for part in _simple_faces(corners)]
@@ -49,7 +49,7 @@ def _face_corners(quads: QuadMesh) -> list[np.ndarray]:
 
 
 def _simple_faces(corners: np.ndarray) -> list[list[int]]:
-    """Corners of the parts of a face, which is divided where it passes a vertex twice, but those of two corners."""
+    """Divide a face where it passes a vertex twice; returns the corners of each part that has more than two."""
     parts, way = [], list[int]()
     for corner in [*corners.tolist(), int(corners[0])]:
         if corner in way:
@@ -61,10 +61,10 @@ def _simple_faces(corners: np.ndarray) -> list[list[int]]:
 
 
 def _join_halves(quads: QuadMesh) -> QuadMesh:
-    """The quad mesh with two faces at each edge, and a vertex of its own for each fan of faces around one.
+    """Join the halves of edges in pairs, and give each fan of faces around a vertex a vertex of its own.
 
-    Halves of several edges with the same ends are joined where they are the two sides of a fan of faces between other
-    edges. That cuts the surface along these edges.
+    Several edges may have the same ends. Two of their halves are joined if one fan of faces lies between them. That
+    cuts the surface along these edges.
     """
     names = np.unique(np.sort(quads.half_edges, axis=1), axis=0, return_inverse=True)[1].ravel()
     forward = quads.half_edges[:, 0] < quads.half_edges[:, 1]
@@ -104,7 +104,7 @@ def _fans(tails: np.ndarray, heads: np.ndarray, joined: np.ndarray) -> np.ndarra
 
 
 def _without_crumbs(quads: QuadMesh, before: np.ndarray) -> QuadMesh:
-    """The quad mesh without parts of few faces, unless none with the same one of (f,) numbers is larger."""
+    """The quad mesh without small parts. Of those that were one piece before, by (f,) numbers, the largest stays."""
     parts = components(len(quads.vertices), quads.half_edges)[quads.corner_vertices[quads.starts]]
     sizes = np.bincount(parts)[parts]
     largest = np.zeros(before.max() + 1, int)

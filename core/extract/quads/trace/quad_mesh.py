@@ -68,11 +68,6 @@ class QuadMesh:
         return np.column_stack([self.corner_vertices, self.corner_vertices[self.next_corners]])
 
     @property
-    def is_simple(self) -> bool:
-        """Whether faces have three or more different corners, and no two faces or edges have the same vertices."""
-        return not self.is_unsound.any()
-
-    @property
     def is_unsound(self) -> np.ndarray:
         """(f,) bool: faces without three different corners, or with the vertices or a half-edge of another one."""
         result = self.sizes < 3
@@ -126,8 +121,7 @@ class QuadMesh:
 def repeats(rows: np.ndarray) -> np.ndarray:
     """(n,) bool: rows that occur more than once."""
     _, labels, counts = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
-    result: np.ndarray = counts[labels.ravel()] > 1
-    return result
+    return counts[labels.ravel()] > 1
 
 
 def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:

@@ -82,8 +82,8 @@ def _along_line(edge_phases: EdgePhases, triangles: np.ndarray, sides: np.ndarra
 def _phases_around(edge_phases: EdgePhases, triangles: np.ndarray, sides: np.ndarray) -> EdgePhases:
     """The phases with the changes along sides replaced by those around the other two sides of their triangles."""
     tails, heads, across = _ends(edge_phases.mesh, triangles, sides)
-    # From the tail to the third corner, and on to the head: in other sheets phases are exchanged or reversed, which is
-    # undone so that both changes are those of the tail's phases.
+    # The change to the third corner and the change from there to the head. At the third corner, phases may be exchanged
+    # or reversed; turned back, both changes are changes of the tail's phases.
     first, turns = edge_phases.between(tails, across)
     second, rest = edge_phases.between(across, heads)
     change, matched = first + after_turns(second, -turns), turns + rest

@@ -231,7 +231,7 @@ def test_where_two_quads_go_around_a_tube_one_of_two_edges_between_the_same_vert
     quads = quad_mesh(
         quad_pattern(mesh, turned_crosses(DirectionField(mesh, 4, axis), random_turns(mesh)), 0.2).edge_phases
     )
-    assert is_surface(quads) and quads.is_simple and euler(quads) == 0
+    assert is_surface(quads) and not quads.is_unsound.any() and euler(quads) == 0
     assert sorted(valences(quads)) == 10 * [2] + 20 * [4] and len(quads.sizes) == 20 and quads.sizes.sum() == 80 + 20
 
 
