@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The relaxation on many processes (core/spread), beside that of one.
+"""The relaxation on many processes (bench/mpi), beside that of one.
 
     mpirun -n 4 python bench/spread.py torus=1000000 sphere=998562 [--gap 1e-2]
     python bench/spread.py --alone torus=1000000
@@ -121,8 +121,8 @@ def spread(shape, count, gap):
     """A row of all processes; empty but in the first."""
     from mpi4py import MPI
 
-    from synch_fields.core.spread.parts import Part, parts_of
-    from synch_fields.core.spread.relaxation import solve_parts
+    from synch_fields.bench.mpi.parts import Part, parts_of
+    from synch_fields.bench.mpi.relaxation import solve_parts
 
     comm = MPI.COMM_WORLD
     if shape == "torus":

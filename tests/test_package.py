@@ -58,8 +58,7 @@ from importlib.metadata import requires, version
 
 for part in "core", "examples":
     for module in pkgutil.walk_packages([f"{synch_fields.__path__[0]}/{part}"], f"synch_fields.{part}."):
-        if ".spread." not in module.name:  # by MPI and PETSc, which are there or not
-            importlib.import_module(module.name)
+        importlib.import_module(module.name)
 assert not {"bpy", "synch_fields.synch_addon", "synch_fields.__main__"} & sys.modules.keys()
 needed = {line.split(">")[0] for line in requires("synch_fields") if "extra" not in line}
 assert needed == {"numpy", "scipy", "threadpoolctl"}, needed

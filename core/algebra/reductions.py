@@ -9,7 +9,7 @@ Numbers = TypeVar("Numbers")
 
 
 class Reductions:
-    """Sums for a process that holds all rows; :class:`core.spread.rows.SpreadReductions` replaces it in several."""
+    """Sums for a process that holds all rows; ``bench/mpi/rows.py`` has one for several."""
 
     is_whole = True
 

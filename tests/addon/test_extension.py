@@ -112,8 +112,6 @@ def test_zip_holds_the_program_and_nothing_else(archive):
     sources = [path for part in ("core", "synch_addon") for path in (ROOT / part).rglob("*.py")]
     code = {path.relative_to(ROOT).as_posix() for path in sources} - {"core/batch/cluster.py"}
     assert len(code) == len(sources) - 1
-    code = {path for path in code if not path.startswith("core/spread/")}
-    assert len(code) < len(sources) - 1
     assert {name for name in names if name.endswith(".py")} == code | {"__init__.py", "__main__.py"}
     assert {name for name in names if "/" not in name and not name.endswith(".py")} == {
         "LICENSE",

@@ -74,7 +74,7 @@ def names(folder, monkeypatch):
 
 @pytest.mark.parametrize("text", PYTHON)
 def test_python_runs(text, folder, names):
-    if "mpi4py" in text:  # it takes many processes: tests/core/spread
+    if "mpi4py" in text:  # it takes many processes: tests/bench/mpi
         pytest.importorskip("mpi4py")
     vortex_scenes.write_vdb(folder / "smoke.vdb")
     if "api.bake" in text:

@@ -24,8 +24,7 @@ from synch_fields import core
 
 names = [m.name for m in pkgutil.walk_packages(core.__path__, core.__name__ + ".")]
 for name in names:
-    if ".spread." not in name:  # by MPI and PETSc, which are there or not
-        import_module(name)
+    import_module(name)
 
 import numpy as np
 from synch_fields.core.fields import direction_field, stripe_pattern

@@ -10,9 +10,9 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..connection import Connection
-from ..piece import Piece
-from .rows import SpreadReductions, SpreadRows, petsc_matrix
+from synch_fields.bench.mpi.rows import SpreadReductions, SpreadRows, petsc_matrix
+from synch_fields.core.connection import Connection
+from synch_fields.core.piece import Piece
 
 
 @dataclass(frozen=True)

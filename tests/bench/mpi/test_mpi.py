@@ -22,7 +22,7 @@ from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solution import Certificate
 from synch_fields.core.solve import Options, solve
 
-from ..meshes import bumpy_torus
+from ...core.meshes import bumpy_torus
 
 pytestmark = pytest.mark.slow
 PYTHON = os.environ.get("SYNCH_PETSC_PYTHON", sys.executable)

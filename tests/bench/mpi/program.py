@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the processes of MPI do for test_spread.py; the first one prints what came out as JSON.
+"""What the processes of MPI do for test_mpi.py; the first one prints what came out as JSON.
 
     mpirun -n 2 python program.py folder
 
@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
+from synch_fields.bench.mpi.hierarchy import SpreadHierarchy
+from synch_fields.bench.mpi.parts import parts_of, piece_of
+from synch_fields.bench.mpi.relaxation import solve_parts
 from synch_fields.core.connection import Connection
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.spread.hierarchy import SpreadHierarchy
-from synch_fields.core.spread.parts import parts_of, piece_of
-from synch_fields.core.spread.relaxation import solve_parts
 
 comm = MPI.COMM_WORLD
 

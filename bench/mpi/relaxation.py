@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from ..algebra.workers import solving
-from ..monitor import SILENT
-from ..solution import Clock, Options
-from ..solve.methods.descent import descend
-from ..solve.methods.manifolds import CirclesByFields
-from ..solve.methods.rounding import CANDIDATE_SHIFT, random_directions
-from ..solve.methods.stage import Workspace
-from ..solve.methods.staircase import Relaxation, relax
-from .hierarchy import SpreadHierarchy
-from .parts import Part, piece_of
-from .rows import SpreadReductions
+from synch_fields.bench.mpi.hierarchy import SpreadHierarchy
+from synch_fields.bench.mpi.parts import Part, piece_of
+from synch_fields.bench.mpi.rows import SpreadReductions
+from synch_fields.core.algebra.workers import solving
+from synch_fields.core.monitor import SILENT
+from synch_fields.core.solution import Clock, Options
+from synch_fields.core.solve.methods.descent import descend
+from synch_fields.core.solve.methods.manifolds import CirclesByFields
+from synch_fields.core.solve.methods.rounding import CANDIDATE_SHIFT, random_directions
+from synch_fields.core.solve.methods.stage import Workspace
+from synch_fields.core.solve.methods.staircase import Relaxation, relax
 
 # Projections of the lifted field, those that descend, and the end of descent: predicted relative decrease, most steps.
 PROJECTIONS, KEPT = 32, 4

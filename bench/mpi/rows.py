@@ -15,8 +15,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from ..algebra.metric import scale_matrix
-from ..algebra.reductions import Numbers, Reductions
+from synch_fields.core.algebra.metric import scale_matrix
+from synch_fields.core.algebra.reductions import Numbers, Reductions
 
 
 class SpreadReductions(Reductions):

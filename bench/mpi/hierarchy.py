@@ -13,8 +13,9 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU
 
-from ..algebra.coarsening import aggregates
-from ..algebra.metric import (
+from synch_fields.bench.mpi.rows import SpreadReductions, SpreadRows, local_block, petsc_matrix
+from synch_fields.core.algebra.coarsening import aggregates
+from synch_fields.core.algebra.metric import (
     SMALLEST_LEVEL,
     STAGNATION,
     Step,
@@ -24,7 +25,6 @@ from ..algebra.metric import (
     largest_eigenvalue,
     smoothing_weights,
 )
-from .rows import SpreadReductions, SpreadRows, local_block, petsc_matrix
 
 
 @dataclass(frozen=True)
