@@ -21,7 +21,7 @@ from synch_fields.bench.subdivide import sphere
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.layers import layer_problem
+from synch_fields.core.fields.layers import SolidTargetOneForm, pose_layers
 from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.geometry.filling.stuffing import fill_surface
 from synch_fields.core.solve import Options, solve
@@ -89,7 +89,8 @@ def _problem(name, size):
             ball = fill_surface(
                 lambda places: np.linalg.norm(places, axis=1) - 1, np.array([[-1.3] * 3, [1.3] * 3]), 1 / size
             )
-            return layer_problem(ball, np.tile([0.0, 0, 1], (ball.vertex_count, 1)), 0.2)
+            one_form = SolidTargetOneForm.of(ball, np.tile([0.0, 0, 1], (ball.vertex_count, 1)), 0.2)
+            return pose_layers(one_form, (), 1.0)[1]
         mesh = sphere(size)
         if name == "quads":
             return pattern_problem(mesh, direction_field(mesh, 4), PatternWishes(0.05))

@@ -39,8 +39,11 @@ class Shape:
     @property
     def groups(self):
         """A layer on either surface."""
+        surface = self.mesh.boundary_triangles
         both = ((self.low, "low"), (self.high, "high"))
-        return [LayerGroup.of_vertices(self.mesh, chosen, 0.0, name) for chosen, name in both]
+        return [
+            LayerGroup(np.flatnonzero(chosen), surface[chosen[surface].all(axis=1)], 0.0, name) for chosen, name in both
+        ]
 
 
 def solid_bunny(folder):

@@ -20,7 +20,7 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.potentials import harmonic_function
-from synch_fields.core.fields.guidance.solids import gradient_directions
+from synch_fields.core.fields.guidance.solids import extend_directions, gradient_vectors
 from synch_fields.core.fields.layers import LayerPattern, SolidTargetOneForm, solve_layers
 from synch_fields.core.geometry.nearest import nearest_in_triangles
 from synch_fields.core.solve import Options
@@ -72,7 +72,7 @@ def compared(name, shape):
     """The harmonic function of a solid, and for each way a row of the table and the pattern."""
     mesh, spacing = shape.mesh, SPACINGS[name] * shape.size
     function = harmonic_function(mesh, shape.low, shape.high)
-    directions = gradient_directions(mesh, function)
+    directions = extend_directions(mesh, gradient_vectors(mesh, function))
     results = []
     for way, method, is_flush in WAYS:
         groups = shape.groups if is_flush else []

@@ -254,7 +254,7 @@ def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.n
         value = potential(mesh, wanted, names)
         return value[j] - value[i]
 
-    closed: np.ndarray = offsets + nearest(changes - offsets)
+    closed = offsets + nearest(changes - offsets)
     boundary, _ = mesh.boundary_surface
     if boundary.euler_characteristic == 2 * (boundary.pieces.max() + 1):
         return closed

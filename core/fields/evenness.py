@@ -87,7 +87,7 @@ def _mean_rates(edge_phases: EdgePhases, rates: np.ndarray) -> np.ndarray:
     """(f, k) mean of the corners' rates, for the phases of each triangle's first corner."""
     corners = edge_phases.mesh.triangles
     turns = np.zeros(len(corners), int)
-    total: np.ndarray = rates[corners[:, 0]]
+    total = rates[corners[:, 0]]
     for step in range(2):
         turns = turns + edge_phases.between(corners[:, step], corners[:, step + 1])[1]
         total = total + np.abs(after_turns(rates[corners[:, step + 1]], -turns))

@@ -33,7 +33,7 @@ class FilledSurface:
 
         Raises :class:`SettingError` where there is none.
         """
-        triangles: np.ndarray = self.solid.boundary_triangles
+        triangles = self.solid.boundary_triangles
         triangles = triangles[self._lies_on(area)[triangles].all(axis=1)]
         # Between vertices of the area there may be other faces.
         under = self.surface.distance.nearest(self.solid.vertices[triangles].mean(axis=1))
@@ -68,10 +68,8 @@ class FilledSurface:
         """(n,) bool, vertices of the solid's boundary that lie on an area."""
         mesh, boundary = self.surface.mesh, np.flatnonzero(self.solid.boundary_vertices)
         marked, points = mesh.triangles[area.triangles], self.solid.vertices[boundary]
-        _, found = NearestTriangles(mesh.vertices, marked).nearest(points)
-        corners = mesh.vertices[marked[found]]
-        shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
-        apart = np.linalg.norm(points - np.einsum("pc,pcx->px", shares, corners), axis=1)
+        places, _ = NearestTriangles(mesh.vertices, marked).nearest(points)
+        apart = np.linalg.norm(points - places, axis=1)
         result = np.zeros(self.solid.vertex_count, bool)
         allowed = max(ON_FACES * self.surface.reach, ROUNDED * np.abs(mesh.vertices).max())
         result[boundary[apart <= allowed]] = True

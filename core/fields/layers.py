@@ -44,23 +44,6 @@ class LayerGroup:
     phase: float | None = None
     name: str = "the group"
 
-    @classmethod
-    def of_vertices(
-        cls, mesh: TetMesh, chosen: ArrayLike, phase: float | None = None, name: str = "the group"
-    ) -> "LayerGroup":
-        """From (n,) bool chosen vertices: the triangles whose three corners are chosen.
-
-        Triangles inside the solid whose corners are all on its boundary do not count.
-        """
-        chosen = np.asarray(chosen, bool)
-        if chosen.shape != (mesh.vertex_count,):
-            raise SettingError(
-                f"{name} has {chosen.size} values and the solid {mesh.vertex_count} vertices: give each a truth value"
-            )
-        is_surface = ~mesh.boundary_vertices[mesh.faces].all(axis=1)
-        is_surface[mesh.boundary_faces] = True
-        return cls(np.flatnonzero(chosen), mesh.faces[is_surface & chosen[mesh.faces].all(axis=1)], phase, name)
-
     @property
     def sides(self) -> np.ndarray:
         """(3 f, 2) ends of the triangles' sides."""
@@ -105,7 +88,7 @@ class SolidTargetOneForm:
     def changes(self) -> np.ndarray:
         """(e,) target phase change from the lower to the higher vertex: the trapezoidal rule (Eq. 6), corrected."""
         i, j = self.mesh.edges.T
-        changes: np.ndarray = 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
+        changes = 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
         return changes if self.correction is None else changes + self.correction
 
     @property
@@ -252,25 +235,6 @@ def choose_levels(one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], di
     ]
 
 
-def layer_problem(
-    mesh: TetMesh, directions: ArrayLike, spacing: ArrayLike, groups: Sequence[LayerGroup] = (), branching: float = 1.0
-) -> SynchronizationProblem:
-    """The synchronization problem of layers.
-
-    Raises SettingError for directions or spacings that do not fit; ContradictionError where groups ask for different
-    phases.
-
-    Parameters
-    ----------
-    directions : (n, 3) unit vectors across the layers (:mod:`core.fields.guidance.solids`)
-    spacing : distance between layers in the solid's units, or (n,) one at each vertex
-    groups : surfaces that layers follow; the boundary is free elsewhere
-    branching : share of the target one-form's curl that is kept, from 0 to 1: the less, the fewer and shorter the
-        curves where layers branch, and the more the distances vary (see :mod:`.curl_removal`)
-    """
-    return pose_layers(SolidTargetOneForm.of(mesh, directions, spacing), groups, branching)[1]
-
-
 def solve_layers(
     mesh: TetMesh,
     directions: ArrayLike,
@@ -280,7 +244,17 @@ def solve_layers(
     callback: Callback | None = None,
     branching: float = 1.0,
 ) -> LayerPattern:
-    """Solve for layers; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
+    """Solve for layers; errors as :func:`pose_layers`.
+
+    Parameters
+    ----------
+    directions : (n, 3) unit vectors across the layers (:mod:`core.fields.guidance.solids`)
+    spacing : distance between layers in the solid's units, or (n,) one at each vertex
+    groups : surfaces that layers follow; the boundary is free elsewhere
+    options, callback : see :func:`core.solve.solve`
+    branching : share of the target one-form's curl that is kept, from 0 to 1: the less, the fewer and shorter the
+        curves where layers branch, and the more the distances vary (see :mod:`.curl_removal`)
+    """
     return solve_one_form(SolidTargetOneForm.of(mesh, directions, spacing), groups, options, callback, branching)
 
 
@@ -301,7 +275,10 @@ def solve_one_form(
 def pose_layers(
     one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], branching: float
 ) -> tuple[SolidTargetOneForm, SynchronizationProblem]:
-    """The one-form with a share of its curl, and its problem; arguments and errors as :func:`layer_problem`."""
+    """The one-form with a share of its curl, and its problem; arguments as :func:`solve_layers`.
+
+    Raises SettingError for a share out of range, and ContradictionError where groups ask for different phases.
+    """
     check_share(branching, "branching")
     mesh = one_form.mesh
     links = join_links([group.links for group in groups if group.phase is None])

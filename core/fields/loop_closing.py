@@ -92,7 +92,7 @@ class LoopClosing:
 
     def _project(self, row: np.ndarray) -> np.ndarray:
         """(2 e,) change d of a row r."""
-        change: np.ndarray = self._inverse_weights * row
+        change = self._inverse_weights * row
         for mirror in self._mirrors:
             change = (change + mirror.reflect(change)) / 2
         if self._factor is None:

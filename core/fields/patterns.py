@@ -255,17 +255,17 @@ def change_pattern(
     return _pattern_of(one_form, problem, solve(problem, options, callback), pattern.on_planes)
 
 
-def untangle(pattern: Pattern, options: Options | None = None, callback: Callback | None = None) -> Pattern:
+def untangle(pattern: Pattern, options: Options) -> Pattern:
     """A pattern with a branching of 0, solved again from phases in which its dislocations are taken out.
 
     The changes that it reached, without what dislocations add to them around triangles, are nearly those of phases.
     """
-    one_form, problem, options = pattern.one_form, pattern.problem, options or Options()
+    one_form, problem = pattern.one_form, pattern.problem
     reached = one_form.reaching(pattern.edge_phases.changes)
     calm = reached.changes + reached.curl_removal(problem.fixed, problem.merged)
     near = problem.turned_by(one_form.connection_turns(calm - one_form.changes))
-    start = solve(near, replace(options, method=FIRST), callback).phases
-    solution = solve(problem, replace(options, method=COARSE), callback, start)
+    start = solve(near, replace(options, method=FIRST)).phases
+    solution = solve(problem, replace(options, method=COARSE), None, start)
     return _pattern_of(one_form, problem, solution, pattern.on_planes)
 
 

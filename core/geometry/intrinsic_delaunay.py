@@ -170,7 +170,8 @@ def flip_edges(mesh: IntrinsicMesh) -> IntrinsicMesh:
             break
         surface.flip(chosen)
         waiting = surface.bad_among(np.concatenate([waiting, surface.around(chosen)]))
-    triangles, sides, directions, corner_angles = (values.reshape(-1, 3) for values in surface.by_corner)
+    of_corners = surface.tails, surface.lengths, surface.directions, surface.angles
+    triangles, sides, directions, corner_angles = (values.reshape(-1, 3) for values in of_corners)
     return IntrinsicMesh(triangles, sides, directions, corner_angles, surface.twins, mesh.angle_scales)
 
 
@@ -194,10 +195,6 @@ class _Flipped:
     angles: np.ndarray
     twins: np.ndarray
     scales: np.ndarray
-
-    @property
-    def by_corner(self) -> tuple[np.ndarray, ...]:
-        return self.tails, self.lengths, self.directions, self.angles
 
     def around(self, halves: np.ndarray) -> np.ndarray:
         """List the half-edges of the triangles on both sides."""

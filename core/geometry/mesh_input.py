@@ -126,8 +126,7 @@ class ObjectMesh:
     def places(self) -> np.ndarray:
         """(n, 3) vertices in the measured space; those that are not finite stay so."""
         with np.errstate(invalid="ignore"):
-            places: np.ndarray = self.vertices @ self.stretch.T
-        return places
+            return self.vertices @ self.stretch.T
 
     def surface(self, strict: bool = False, weld: bool = False) -> MeshInput:
         """The surface, repaired where it has to be unless ``strict``, with boundary vertices at the same place joined

@@ -5,7 +5,6 @@ Corner ``k`` of a tetrahedron is opposite to its face ``k``. An edge ``e = (i, j
 every quantity on edges (transport, phase change) is given in that direction.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,24 +26,6 @@ FLAT_TET = 1e-12
 SHARPEST_ANGLE = np.radians(10)
 # Least mean cotangent around an edge. The long edges of a body-centred lattice have weight 0.
 SMALLEST_COTANGENT = 1e-4
-
-
-@dataclass(frozen=True)
-class _Edges:
-    """(e, 2) vertices of the edges, and (m, 6) edge of each pair of corners of a tetrahedron."""
-
-    vertices: np.ndarray
-    of_tets: np.ndarray
-
-
-@dataclass(frozen=True)
-class _Faces:
-    """(f, 3) vertices of the faces, (m, 4) face opposite to each corner, and (f, 2) indices of each face in that table,
-    flattened: one for each tetrahedron, -1 outside."""
-
-    vertices: np.ndarray
-    of_tets: np.ndarray
-    halves: np.ndarray
 
 
 class TetMesh:
@@ -75,21 +56,22 @@ class TetMesh:
     # Connectivity
 
     @cached_property
-    def _edges(self) -> _Edges:
+    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """(e, 2) vertices of the edges, and (m, 6) edge of each pair of corners of a tetrahedron."""
         tails, heads = np.moveaxis(self.tets[:, TET_EDGES], -1, 0)
         keys = np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads)
         keys, inverse = np.unique(keys.ravel(), return_inverse=True)
-        return _Edges(np.column_stack(np.divmod(keys, max(self.vertex_count, 1))), inverse.reshape(-1, 6))
+        return np.column_stack(np.divmod(keys, max(self.vertex_count, 1))), inverse.reshape(-1, 6)
 
     @property
     def edges(self) -> np.ndarray:
         """(e, 2) vertex indices, the lower one first, sorted."""
-        return self._edges.vertices
+        return self._edges[0]
 
     @property
     def tet_edges(self) -> np.ndarray:
         """(m, 6) edges between the pairs of corners in the order of ``TET_EDGES``."""
-        return self._edges.of_tets
+        return self._edges[1]
 
     def edges_between(self, tails: np.ndarray, heads: np.ndarray) -> np.ndarray:
         """Find the edges that join pairs of vertices in either direction; the pairs must be edges."""
@@ -97,7 +79,9 @@ class TetMesh:
         return np.searchsorted(keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
 
     @cached_property
-    def _faces(self) -> _Faces:
+    def _faces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(f, 3) vertices of the faces, (m, 4) face opposite to each corner, and (f, 2) indices of each face in that
+        table, flattened: one for each tetrahedron, -1 outside."""
         corners = self.tets[:, TET_FACES].reshape(-1, 3)
         even = (corners[:, 0] < corners[:, 1]) ^ (corners[:, 1] < corners[:, 2]) ^ (corners[:, 0] < corners[:, 2])
         corners.sort(axis=1)
@@ -110,33 +94,33 @@ class TetMesh:
         later = np.flatnonzero(first[inverse] != np.arange(len(inverse)))
         halves[inverse[later], 1] = later
         _refuse_overlaps(faces, halves, counts, even)
-        return _Faces(faces, inverse.reshape(-1, 4), halves)
+        return faces, inverse.reshape(-1, 4), halves
 
     @property
     def faces(self) -> np.ndarray:
         """(f, 3) vertex indices of each triangle, once, in increasing order, sorted."""
-        return self._faces.vertices
+        return self._faces[0]
 
     @property
     def tet_faces(self) -> np.ndarray:
         """(m, 4) face opposite to corner k."""
-        return self._faces.of_tets
+        return self._faces[1]
 
     @cached_property
     def face_tets(self) -> np.ndarray:
         """(f, 2) tetrahedra on the two sides, the lower index first; -1 outside."""
-        halves = self._faces.halves
+        halves = self._faces[2]
         return np.where(halves < 0, -1, halves // 4)
 
     @cached_property
     def boundary_faces(self) -> np.ndarray:
         """Indices of the faces that have one tetrahedron only."""
-        return np.flatnonzero(self._faces.halves[:, 1] < 0)
+        return np.flatnonzero(self._faces[2][:, 1] < 0)
 
     @cached_property
     def boundary_triangles(self) -> np.ndarray:
         """(b, 3) vertices of the boundary faces, in their order, counterclockwise from outside."""
-        tets, corners = np.divmod(self._faces.halves[self.boundary_faces, 0], 4)
+        tets, corners = np.divmod(self._faces[2][self.boundary_faces, 0], 4)
         return self.tets[tets[:, None], np.array(TET_FACES)[corners]]
 
     @cached_property
@@ -254,8 +238,12 @@ def signed_volumes(vertices: ArrayLike, tets: ArrayLike) -> np.ndarray:
 
 
 def positive(vertices: ArrayLike, tets: ArrayLike) -> np.ndarray:
-    """Swap the last two corners of inverted tetrahedra, which some files contain: (m, 4)."""
-    tets = np.array(tets, np.int64)
+    """Swap the last two corners of inverted tetrahedra, which some files contain: (m, 4).
+
+    Raises MeshError for no tetrahedra, and a vertex index out of range.
+    """
+    vertices, tets = np.asarray(vertices), np.array(tets, np.int64)
+    _refuse_indices(vertices, tets)
     inverted = signed_volumes(vertices, tets) < 0
     tets[inverted] = tets[inverted][:, [0, 1, 3, 2]]
     return tets

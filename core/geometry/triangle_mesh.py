@@ -159,6 +159,17 @@ class TriangleMesh:
         halves = self.halves_off(edges)
         return components(self.triangle_count, np.column_stack([halves, self.twins[halves]]) // 3)
 
+    def line_corners(self, edges: np.ndarray, cosine: float) -> np.ndarray:
+        """Find the vertices at which lines of (k,) edges end, branch, or turn by an angle of a smaller cosine."""
+        ends, along = self.edges[edges], unit_vectors(self.edge_vectors[edges])
+        degrees = np.bincount(ends.ravel(), minlength=self.vertex_count)
+        leaving = np.zeros((self.vertex_count, 3))
+        np.add.at(leaving, ends[:, 0], along)
+        np.add.at(leaving, ends[:, 1], -along)
+        # Two unit vectors that leave a vertex add up to 0 where they go straight on.
+        bends = np.linalg.norm(leaving, axis=1) > np.sqrt(2 - 2 * cosine)
+        return np.flatnonzero((degrees > 0) & ((degrees != 2) | bends))
+
     @cached_property
     def pieces(self) -> np.ndarray:
         """(n,) label of the connected piece of each vertex."""

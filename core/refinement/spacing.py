@@ -52,9 +52,9 @@ def spacing_across(size: float, area: float, finest: float, per_period: int, acr
     return wished_spacing(area, per_period) * LINES_ACROSS / across
 
 
-def spacing_on_faces(mesh: TriangleMesh, per_period: int, across: float = LINES_ACROSS) -> float:
+def spacing_on_faces(mesh: TriangleMesh, per_period: int) -> float:
     """Choose as :func:`automatic_spacing` without a finer copy: as many lines as the edges carry, at least two."""
-    return _spacing_carried(_size(mesh), carried_spacing(mesh.edge_lengths), per_period, across)
+    return _spacing_carried(_size(mesh), carried_spacing(mesh.edge_lengths), per_period, LINES_ACROSS)
 
 
 def _spacing_carried(size: float, finest: float, per_period: int, across: float) -> float:

@@ -15,7 +15,7 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.solids import SPACINGS, shape_of
 from synch_fields.core.extract import evenly_traced
 from synch_fields.core.fields.guidance.potentials import harmonic_function
-from synch_fields.core.fields.guidance.solids import gradient_directions
+from synch_fields.core.fields.guidance.solids import extend_directions, gradient_vectors
 from synch_fields.core.fields.layers import solve_layers
 from synch_fields.docs.make.sheets import pixels_of, save_pixels
 from synch_fields.docs.make.solid_pictures import picture_of_layers
@@ -64,7 +64,9 @@ def directions(meshes, picture):
 def layers(meshes, picture):
     """Render layers in the stuffed bunny, cut open."""
     shape = shape_of("bunny", meshes)
-    growth = gradient_directions(shape.mesh, harmonic_function(shape.mesh, shape.low, shape.high))
+    growth = extend_directions(
+        shape.mesh, gradient_vectors(shape.mesh, harmonic_function(shape.mesh, shape.low, shape.high))
+    )
     pattern = solve_layers(shape.mesh, growth, SPACINGS["bunny"] * shape.size, shape.groups)
     picture_of_layers("bunny", pattern, True, picture, curves=False, resolution=LARGE)
 

@@ -9,6 +9,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
+from synch_fields.core.fields.guidance.solids import extend_directions, gradient_vectors
+from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, pose_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 from synch_fields.core.interpolate import EdgePhases
 
@@ -142,3 +144,20 @@ def faces_carried(layers, triangles):
 def on_faces(layers, vertices):
     """(t,) triangles with corners at these vertices only."""
     return np.isin(vertices_met(layers), vertices).all(axis=1)
+
+
+def group_of(mesh, chosen, phase=None, name="the group"):
+    """The group of (n,) bool vertices: also triangles inside the solid, unless all corners are on its boundary."""
+    is_surface = ~mesh.boundary_vertices[mesh.faces].all(axis=1)
+    is_surface[mesh.boundary_faces] = True
+    return LayerGroup(np.flatnonzero(chosen), mesh.faces[is_surface & chosen[mesh.faces].all(axis=1)], phase, name)
+
+
+def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
+    """The problem that :func:`solve_layers` solves."""
+    return pose_layers(SolidTargetOneForm.of(mesh, directions, spacing), groups, branching)[1]
+
+
+def gradient_directions(mesh, values):
+    """The direction in which a function grows fastest, (n, 3) unit vectors."""
+    return extend_directions(mesh, gradient_vectors(mesh, values))

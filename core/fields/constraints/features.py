@@ -102,15 +102,7 @@ def pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
 
 def line_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     """Vertices at which lines of edges end, branch, or turn by more than :data:`CORNER`."""
-    ends = mesh.edges[edges]
-    degrees = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
-    leaving = np.zeros((mesh.vertex_count, 3))
-    along = unit_vectors(mesh.edge_vectors[edges])
-    np.add.at(leaving, ends[:, 0], along)
-    np.add.at(leaving, ends[:, 1], -along)
-    # Two unit vectors that leave a vertex add up to 0 where they go straight on.
-    bends = np.linalg.norm(leaving, axis=1) > np.sqrt(2 - 2 * np.cos(CORNER))
-    return np.flatnonzero((degrees > 0) & ((degrees != 2) | bends))
+    return mesh.line_corners(edges, np.cos(CORNER))
 
 
 def quads_around(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
@@ -135,7 +127,7 @@ def _wedges(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> Itera
         yield around, np.diff(around, append=rest)
 
 
-def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge or the boundary") -> Row:
+def feature_row(mesh: TriangleMesh, edges: np.ndarray) -> Row:
     """The row that holds a grid line on edges where no other row applies.
 
     At corners of the boundary too narrow for a right angle, the crosses' diagonal runs between the lines, so that there
@@ -150,7 +142,7 @@ def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge
         if narrow.any():
             crosses = np.exp(4j * (between[narrow] + np.pi / 4)).sum()
             line.angles[line.vertices == corner] = np.angle(crosses) / 4
-    return Row(line, GRID, name=name)
+    return Row(line, GRID, name="a sharp edge or the boundary")
 
 
 def add_grid_lines(one_form: OneForm, rows: Sequence[Row], links: Links) -> tuple[Links, np.ndarray]:

@@ -137,7 +137,7 @@ def orient_vectors(mesh: TetMesh, lines: np.ndarray) -> np.ndarray:
     agree = np.where(np.einsum("ex,ex->e", lines[i], lines[j]) < 0, -1.0, 1.0)
     roots = np.unique(components(mesh.vertex_count, mesh.edges), return_index=True)[1]
     signs = along_trees(mesh.vertex_count, i, j, agree.astype(complex), roots).real
-    turned: np.ndarray = np.where(signs < 0, -1.0, 1.0)[:, None] * lines
+    turned = np.where(signs < 0, -1.0, 1.0)[:, None] * lines
     odd = np.einsum("ex,ex->e", turned[i], turned[j]) < 0
     turned[mesh.edges[odd]] = 0
     return turned

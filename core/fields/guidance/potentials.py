@@ -51,7 +51,7 @@ def extend_harmonically(mesh: TetMesh, known: np.ndarray, values: np.ndarray) ->
     free = np.flatnonzero(reached & ~known)
     matrix = _laplacian(mesh, mesh.cotangent_weights)
     known = np.flatnonzero(known)
-    right: np.ndarray = -(matrix[free][:, known] @ result[known])
+    right = -(matrix[free][:, known] @ result[known])
     result[free] = _solve_at(matrix, mesh.vertex_masses, free, right)
     return result
 
@@ -103,7 +103,7 @@ def _solve_at(matrix: csr_matrix, masses: np.ndarray, nodes: np.ndarray, right: 
     metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SMALL_SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)
     columns = right.reshape(len(right), -1) / scale
-    result: np.ndarray = np.zeros_like(columns)
+    result = np.zeros_like(columns)
     for column, solution in zip(columns.T, result.T, strict=True):
         solution[:], failed = cg(matrix / scale, column, rtol=PRECISION, maxiter=MAX_STEPS, M=preconditioner)
         if failed:

@@ -49,7 +49,7 @@ def _over_faces(values: np.ndarray, points: np.ndarray) -> np.ndarray:
     slack = 1 - np.minimum((slopes * steepness).sum(axis=0), 2)
     through = shares - np.sqrt(height / np.where(slack > 0, slack, 1)) * steepness
     inside = (slack > 0) & (through >= 0).all(axis=0) & (through.sum(axis=0) <= 1)
-    result: np.ndarray = values[:, 0] + (slopes * shares).sum(axis=0) + np.sqrt(height * np.maximum(slack, 0))
+    result = values[:, 0] + (slopes * shares).sum(axis=0) + np.sqrt(height * np.maximum(slack, 0))
     rim = np.flatnonzero(~inside)
     sides = [along(points[rim, k - 1], points[rim, k], values[rim, k - 1], values[rim, k]) for k in range(3)]
     result[rim] = np.minimum.reduce(sides)

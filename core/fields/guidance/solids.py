@@ -23,11 +23,6 @@ from .potentials import extend_harmonically
 ROUNDING = 1e-9
 
 
-def gradient_directions(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
-    """The direction in which a function grows fastest, (n, 3) unit vectors; as :func:`gradient_vectors`."""
-    return extend_directions(mesh, gradient_vectors(mesh, values))
-
-
 def gradient_vectors(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
     """(n, 3) gradients of the tetrahedra, averaged by volume, from (n,) values, nan on pieces without values.
 
@@ -87,7 +82,7 @@ def curve_vectors(mesh: TetMesh, curves: Sequence[ArrayLike], across: bool = Fal
     """
     points, tangents, lengths = _stations(curves, mesh.edge_lengths.mean() / 2)
     _, nearest = cKDTree(points).query(mesh.vertices)
-    directions: np.ndarray = tangents[nearest]
+    directions = tangents[nearest]
     if across:
         away, lengths = mesh.vertices - points[nearest], lengths[nearest]
         # Each station represents a piece of the curve.
@@ -121,7 +116,7 @@ def _stations(curves: Sequence[ArrayLike], step: float) -> tuple[np.ndarray, np.
 def have_directions(mesh: TetMesh, vectors: np.ndarray) -> np.ndarray:
     """(n,) bool, which of (n, 3) vectors are long enough to have a direction."""
     lengths = np.linalg.norm(vectors, axis=1)
-    known: np.ndarray = lengths > ROUNDING * lengths.max()
+    known = lengths > ROUNDING * lengths.max()
     known[mesh.loose_vertices] = False
     return known
 
@@ -129,7 +124,7 @@ def have_directions(mesh: TetMesh, vectors: np.ndarray) -> np.ndarray:
 def extend_directions(mesh: TetMesh, vectors: np.ndarray) -> np.ndarray:
     """(n, 3) unit vectors, extended over vertices without a direction; zero on pieces without any."""
     known, lengths = have_directions(mesh, vectors), np.linalg.norm(vectors, axis=1)
-    units: np.ndarray = np.divide(vectors, lengths[:, None], out=np.zeros_like(vectors), where=known[:, None])
+    units = np.divide(vectors, lengths[:, None], out=np.zeros_like(vectors), where=known[:, None])
     if known.all() or not known.any():
         return units
     spread = np.nan_to_num(extend_harmonically(mesh, known, units[known]))

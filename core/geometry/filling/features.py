@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...graphs import components, ragged_arange
+from ...graphs import ragged_arange
 from ..tet_mesh import TET_EDGES, TET_FACES, TetMesh, signed_volumes
 from ..triangle_mesh import TriangleMesh
 from .stuffing import DIHEDRAL_BOUNDS
@@ -42,10 +42,10 @@ def sharpen_edges(
     moves, reach = _Moves(solid), FARTHEST * solid.edge_lengths.mean()
     boundary = np.flatnonzero(solid.boundary_vertices)
     regions = np.full(solid.vertex_count, -1)
-    regions[boundary] = smooth_regions(mesh, sharp)[nearest(solid.vertices[boundary])]
+    regions[boundary] = mesh.parts_between(sharp)[nearest(solid.vertices[boundary])]
     sides = np.unique(np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     crossing = sides[regions[sides[:, 0]] != regions[sides[:, 1]]]
-    corners, segments = mesh.vertices[corners_of(mesh, sharp)], mesh.vertices[mesh.edges[sharp]]
+    corners, segments = mesh.vertices[mesh.line_corners(sharp, SHARP)], mesh.vertices[mesh.edges[sharp]]
     # A vertex that has moved makes room for others.
     for _ in range(ROUNDS):
         corners = _move_to_corners(moves, boundary, corners, reach)
@@ -58,26 +58,6 @@ def sharp_edges(mesh: TriangleMesh, labels: np.ndarray | None = None) -> np.ndar
     first, second = mesh.edge_triangles.T
     bent = np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP
     return np.flatnonzero(bent if labels is None else bent | (labels[first] != labels[second]))
-
-
-def smooth_regions(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
-    """Label the (m,) triangles by the parts of the surface between sharp edges."""
-    smooth = np.ones(len(mesh.edges), bool)
-    smooth[sharp] = False
-    return components(mesh.triangle_count, mesh.edge_triangles[smooth])
-
-
-def corners_of(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
-    """Find the vertices where sharp edges end, branch or bend by more than ``SHARP``."""
-    ends = mesh.edges[sharp]
-    degree = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
-    along = mesh.edge_vectors[sharp] / mesh.edge_lengths[sharp, None]
-    leaving = np.zeros((mesh.vertex_count, 3))
-    np.add.at(leaving, ends[:, 0], along)
-    np.add.at(leaving, ends[:, 1], -along)
-    # Two unit vectors that leave a vertex add up to 0 where they go straight on.
-    bends = np.linalg.norm(leaving, axis=1) > np.sqrt(2 - 2 * SHARP)
-    return np.flatnonzero((degree > 0) & ((degree != 2) | bends))
 
 
 def _move_to_corners(moves: "_Moves", boundary: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:

@@ -9,10 +9,10 @@ from scipy.linalg import null_space
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.core.fields.curl_removal import close_changes
-from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, layer_problem, solve_layers
+from synch_fields.core.fields.layers import SolidTargetOneForm, solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh
 
-from ..layered_solids import bent_bar
+from ..layered_solids import bent_bar, group_of, layer_problem
 from ..solids import ball, block, frame, grid_tets, notched, shell, together
 
 SOLIDS = [
@@ -68,7 +68,7 @@ def test_layers_that_fan_out_keep_one_number_at_every_radius():
     mesh, around = bent_bar((16, 48, 4), 1.0, 2.0, np.pi / 2, 0.2)
     spacing = 0.1
     x, y, _ = mesh.vertices.T
-    groups = [LayerGroup.of_vertices(mesh, end < 1e-9) for end in (x, y)]
+    groups = [group_of(mesh, end < 1e-9) for end in (x, y)]
     problem = layer_problem(mesh, around, spacing, groups, branching=0.0)
     k = 2 * np.pi / spacing / np.log(2)
     angles = np.arctan2(y, x)
@@ -80,7 +80,7 @@ def test_layers_that_fan_out_keep_one_number_at_every_radius():
 @pytest.mark.parametrize("counts", [(8, 27, 4)])
 def test_layers_branch_less_and_at_last_not_at_all(counts):
     mesh, around = bent_bar(counts, 1, 2, np.pi / 2, 0.2)
-    groups = [LayerGroup.of_vertices(mesh, end < 1e-9, 0.0) for end in mesh.vertices.T[:2]]
+    groups = [group_of(mesh, end < 1e-9, 0.0) for end in mesh.vertices.T[:2]]
     lengths = []
     for branching in (1.0, 0.6, 0.0):
         pattern = solve_layers(mesh, around, 0.12, groups, branching=branching)

@@ -12,13 +12,12 @@ from synch_fields.core.fields.guidance.potentials import harmonic_function
 from synch_fields.core.fields.guidance.solid_distance import solid_distance
 from synch_fields.core.fields.guidance.solids import (
     axis_directions,
-    gradient_directions,
 )
-from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, layer_problem, solve_layers
+from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, solve_layers
 from synch_fields.core.interpolate_solid import evaluate_in_tets
 from synch_fields.core.solve import Options
 
-from ..layered_solids import bent_bar, block, shell
+from ..layered_solids import bent_bar, block, gradient_directions, group_of, layer_problem, shell
 
 TILTED = np.array([2, -1, 2]) / 3
 
@@ -26,7 +25,7 @@ TILTED = np.array([2, -1, 2]) / 3
 def ends(mesh, phase=0.0):
     """Groups of the lowest and the highest vertices."""
     z = mesh.vertices[:, 2]
-    low, high = LayerGroup.of_vertices(mesh, z == z.min(), phase), LayerGroup.of_vertices(mesh, z == z.max(), phase)
+    low, high = group_of(mesh, z == z.min(), phase), group_of(mesh, z == z.max(), phase)
     return [low, high]
 
 
@@ -81,7 +80,7 @@ def test_between_concentric_spheres_layers_are_spheres(guide, count):
         "harmonic": lambda: gradient_directions(mesh, harmonic_function(mesh, inner, outer)),
     }[guide]()
     spacing = 0.8 / count
-    groups = [LayerGroup.of_vertices(mesh, chosen, 0.0) for chosen in (inner, outer)]
+    groups = [group_of(mesh, chosen, 0.0) for chosen in (inner, outer)]
     pattern = solve_layers(mesh, directions, spacing, groups)
     solution = pattern.solution
     assert solution.lower_bound <= solution.energy and solution.gap < 0.011
@@ -100,7 +99,7 @@ def test_layers_that_fan_out_split_as_often_as_the_circulation_demands(counts, i
     x, y, _ = mesh.vertices.T
     radius = np.hypot(x, y)
     spacing = radius * np.pi / 2 / np.where(radius < 1.49, inner, outer)
-    groups = [LayerGroup.of_vertices(mesh, end < 1e-9, 0.0) for end in (x, y)]
+    groups = [group_of(mesh, end < 1e-9, 0.0) for end in (x, y)]
     pattern = solve_layers(mesh, around, spacing, groups)
     demand = outer - inner
     assert asked_circulation(mesh, around, spacing) == pytest.approx(demand, abs=0.1)
@@ -207,7 +206,7 @@ def test_a_constant_group_has_one_phase_in_each_of_its_pieces():
     z = mesh.vertices[:, 2]
     directions, spacing = axis_directions(mesh, (1, 0, 4)), 0.29
     free = solve_layers(mesh, directions, spacing)
-    group = LayerGroup.of_vertices(mesh, (z == 0) | (z == 1))
+    group = group_of(mesh, (z == 0) | (z == 1))
     pattern = solve_layers(mesh, directions, spacing, [group])
     phases = pattern.solution.phases
     for level in (0, 1):
@@ -225,7 +224,7 @@ def test_groups_of_vertices_do_not_reach_through_the_solid():
     mesh = block((4, 4, 1), (1, 1, 0.25))
     z = mesh.vertices[:, 2]
     inner = (np.abs(mesh.vertices[:, :2] - 0.5) < 0.4).all(axis=1)
-    group = LayerGroup.of_vertices(mesh, inner)
+    group = group_of(mesh, inner)
     assert len(group.vertices) == 18 and len(group.triangles) == 16
     assert len(np.unique(group.links.i)) == 2
     sides = mesh.boundary_triangles[np.ptp(z[mesh.boundary_triangles], axis=1) == 0]
@@ -241,7 +240,7 @@ def test_inner_surfaces_are_groups_too():
     mesh = block((4, 4, 6))
     z = mesh.vertices[:, 2]
     middle = np.isclose(z, 0.5)
-    group = LayerGroup.of_vertices(mesh, middle, 0.0)
+    group = group_of(mesh, middle, 0.0)
     # All but two in corners, which reach from wall to wall.
     assert len(group.triangles) == 30
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.3, [group])
@@ -251,17 +250,15 @@ def test_inner_surfaces_are_groups_too():
 def test_a_fixed_group_settles_a_constant_one_that_it_touches():
     mesh = block((3, 3, 3))
     x, z = mesh.vertices[:, 0], mesh.vertices[:, 2]
-    groups = [LayerGroup.of_vertices(mesh, z == 0, name="floor"), LayerGroup.of_vertices(mesh, x == 0, 0.7, "wall")]
+    groups = [group_of(mesh, z == 0, name="floor"), group_of(mesh, x == 0, 0.7, "wall")]
     phases = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.5, groups).solution.phases
     np.testing.assert_allclose(phases[(z == 0) | (x == 0)], np.exp(0.7j), atol=1e-9)
-    contrary = [*groups, LayerGroup.of_vertices(mesh, x == 1, 2.0, "other wall")]
+    contrary = [*groups, group_of(mesh, x == 1, 2.0, "other wall")]
     with pytest.raises(ContradictionError, match="floor joins") as caught:
         layer_problem(mesh, axis_directions(mesh, (0, 0, 1)), 0.5, contrary)
     assert set(caught.value.vertices) <= set(np.flatnonzero((x == 0) | (x == 1)))
     with pytest.raises(ContradictionError, match="wall and ceiling fix"):
-        layer_problem(
-            mesh, axis_directions(mesh, (0, 0, 1)), 0.5, [groups[1], LayerGroup.of_vertices(mesh, z == 1, 0, "ceiling")]
-        )
+        layer_problem(mesh, axis_directions(mesh, (0, 0, 1)), 0.5, [groups[1], group_of(mesh, z == 1, 0, "ceiling")])
 
 
 @pytest.mark.parametrize(
@@ -279,11 +276,6 @@ def test_a_fixed_group_settles_a_constant_one_that_it_touches():
 def test_settings_that_do_not_fit_are_refused(directions, spacing, words):
     with pytest.raises(SettingError, match=words):
         layer_problem(block((3, 3, 3)), directions, spacing)
-
-
-def test_a_group_of_another_solid_is_refused():
-    with pytest.raises(SettingError, match="top has 5 values"):
-        LayerGroup.of_vertices(block((3, 3, 3)), np.ones(5, bool), 0.0, "top")
 
 
 def test_what_does_not_count_for_the_spacing_is_said():

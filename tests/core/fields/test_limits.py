@@ -10,23 +10,23 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, solve_one_form
+from synch_fields.core.fields.layers import SolidTargetOneForm, solve_one_form
 from synch_fields.core.fields.limits import ENOUGH, Limits, solve_within
 from synch_fields.core.printing.heights import below
 
-from ..layered_solids import bent_bar, block
+from ..layered_solids import bent_bar, block, group_of
 
 
 def ends_of(mesh, axis, low, high):
     """Groups of the two ends along an axis, with a layer on them."""
     places = mesh.vertices[:, axis]
-    return [LayerGroup.of_vertices(mesh, np.isclose(places, end), 0.0) for end in (low, high)]
+    return [group_of(mesh, np.isclose(places, end), 0.0) for end in (low, high)]
 
 
 def bar(outer, spacing=0.14):
     """A growth around a bent bar whose outer side is so much longer, and groups of its ends."""
     mesh, around = bent_bar((8, 28, 3), 1, outer, np.pi / 2, 0.4)
-    groups = [LayerGroup.of_vertices(mesh, np.isclose(mesh.vertices[:, axis], 0), 0.0) for axis in (0, 1)]
+    groups = [group_of(mesh, np.isclose(mesh.vertices[:, axis], 0), 0.0) for axis in (0, 1)]
     return SolidTargetOneForm.of(mesh, around, spacing), groups
 
 

@@ -300,5 +300,5 @@ def test_a_pair_of_dislocations_is_taken_out():
     exact[:, 0] *= turns / np.abs(turns)
     torn = pattern.with_phases(exact.ravel())
     assert len(torn.dislocations) == 2
-    whole = untangle(torn)
+    whole = untangle(torn, Options())
     assert not whole.dislocations and whole.energy < 1e-3 * torn.energy

@@ -7,13 +7,13 @@ import pytest
 
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, solve_layers
+from synch_fields.core.fields.layers import solve_layers
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.printing.beads import contour_beads, plane_beads
 from synch_fields.core.printing.coverage import NARROWEST, WIDEST
 from synch_fields.core.printing.subdivision import subdivide
 
-from ..layered_solids import block, shell
+from ..layered_solids import block, group_of, shell
 
 SPACING = 0.3
 
@@ -21,7 +21,7 @@ SPACING = 0.3
 def planes(size, counts=(8, 8, 3)):
     """Layers across Z in a block, the lowest one its floor."""
     mesh = block(counts, size)
-    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), SPACING, [floor])
     return mesh, layer_surfaces(pattern.edge_phases, pattern.heights)
 
@@ -29,7 +29,7 @@ def planes(size, counts=(8, 8, 3)):
 def spheres():
     mesh = shell(np.linspace(1, 1.6, 4), 2)
     radius = np.linalg.norm(mesh.vertices, axis=1)
-    group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
+    group = group_of(mesh, mesh.boundary_vertices, 0.0)
     pattern = solve_layers(mesh, mesh.vertices / radius[:, None], SPACING, [group])
     return mesh, layer_surfaces(pattern.edge_phases, pattern.heights)
 

@@ -8,13 +8,13 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, solve_layers
+from synch_fields.core.fields.layers import solve_layers
 from synch_fields.core.printing.beads import contour_beads
 from synch_fields.core.printing.infill import sparse_beads
 from synch_fields.core.printing.machine import Machine
 from synch_fields.core.tasks.layer_outputs import PathSettings
 
-from ..layered_solids import block, shell
+from ..layered_solids import block, group_of, shell
 
 STEP, SPACING, SIZE, HEIGHT = 0.4, 0.4, 12.0, 4.8
 WALL, INNER, GAP, SPARSE = range(4)
@@ -24,7 +24,7 @@ WALL, INNER, GAP, SPARSE = range(4)
 def cuboid():
     """Layers of a cuboid at 0.2, 0.6, ..., 4.6, and the beads that fill it."""
     solid = block((6, 6, 12), (SIZE, SIZE, HEIGHT))
-    floor = LayerGroup.of_vertices(solid, solid.vertices[:, 2] == 0, np.pi)
+    floor = group_of(solid, solid.vertices[:, 2] == 0, np.pi)
     pattern = solve_layers(solid, axis_directions(solid, (0, 0, 1)), SPACING, [floor])
     surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
     assert surfaces.count == 12
@@ -72,7 +72,7 @@ def test_skins_of_curved_layers_follow_their_normals():
     """Spheres inside one another: layers are whole near the inner and the outer side, sparse half way."""
     solid = shell(np.linspace(0.6, 2, 8), 2)
     radius = np.linalg.norm(solid.vertices, axis=1)
-    group = LayerGroup.of_vertices(solid, radius < 0.61, np.pi)
+    group = group_of(solid, radius < 0.61, np.pi)
     pattern = solve_layers(solid, solid.vertices / radius[:, None], 0.2, [group])
     surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
     full = contour_beads(surfaces, 0.2)

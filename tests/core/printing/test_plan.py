@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, solve_layers
+from synch_fields.core.fields.layers import solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.core.printing.beads import contour_beads
 from synch_fields.core.printing.heights import NOTHING, OUTSIDE, below
@@ -18,6 +18,7 @@ from synch_fields.core.printing.order import layer_order, order_lines
 from synch_fields.core.printing.plan import print_plan
 from synch_fields.core.printing.reach import collisions, tilts, tool_axes
 
+from ..layered_solids import group_of
 from .test_beads import SPACING, planes, spheres
 
 UPRIGHT = Machine(nozzle_radius=0.01, nozzle_angle=45, nozzle_length=10, largest_tilt=30)
@@ -155,7 +156,7 @@ def test_a_bead_leans_on_a_layer_up_to_45_degrees_aside():
         wide = mesh.vertices.copy()
         wide[:, :2] = (wide[:, :2] - 0.2) * (1 + 5 * slope * wide[:, 2:])
         mesh = TetMesh(wide, mesh.tets)
-        floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+        floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
         pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, [floor])
         surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
         plan = print_plan(surfaces, mesh, contour_beads(surfaces, 0.1), np.eye(4), UPRIGHT, 0.1, 0.1)

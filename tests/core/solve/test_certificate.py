@@ -10,7 +10,6 @@ from synch_fields.core.algebra.factorization import is_positive_definite
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Certificate, Options, solve
@@ -21,7 +20,7 @@ from synch_fields.core.solve.methods.manifolds import Lifted, random_columns
 from synch_fields.core.solve.methods.stage import Workspace
 
 from ..graphs import PROBLEMS
-from ..layered_solids import block
+from ..layered_solids import block, layer_problem
 from ..meshes import torus
 
 

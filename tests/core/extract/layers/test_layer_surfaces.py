@@ -7,14 +7,16 @@ import pytest
 
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solid_distance import solid_distance
-from synch_fields.core.fields.guidance.solids import axis_directions, gradient_directions
-from synch_fields.core.fields.layers import LayerGroup, solve_layers
+from synch_fields.core.fields.guidance.solids import axis_directions
+from synch_fields.core.fields.layers import solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 
 from ...layered_solids import (
     bent_bar,
     block,
     faces_carried,
+    gradient_directions,
+    group_of,
     is_manifold_at_vertices,
     lies_on_boundary,
     normals,
@@ -38,7 +40,7 @@ NOISES = [0.3, 2, 12]
 def test_constant_directions_give_whole_planes_at_exact_distances(spacing, offset):
     mesh = block((5, 4, 6), (1, 1.2, 1.1), jitter=0.2)
     pattern = solve_layers(
-        mesh, axis_directions(mesh, (0, 0, 1)), spacing, [LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)]
+        mesh, axis_directions(mesh, (0, 0, 1)), spacing, [group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)]
     )
     layers = surfaces_of(pattern, offset=offset)
     expected = np.arange(offset / (2 * np.pi) * spacing, 1.1, spacing)
@@ -74,7 +76,7 @@ def towers(gap=0.0):
 
 def test_levels_have_one_number_where_pieces_have_one_each():
     mesh = towers()
-    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, [floor])
     offset = np.pi / 2  # a quarter of the spacing above the floor
     pieces = layer_surfaces(pattern.edge_phases, pattern.heights, offset)
@@ -91,7 +93,7 @@ def test_levels_have_one_number_where_pieces_have_one_each():
 def test_levels_of_separate_bodies_count_from_the_lowest_layer_of_each():
     """Each begins where its own phase does: the second tower stands 0.03 higher."""
     mesh = towers(0.03)
-    floors = [LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == height, 0.0) for height in (0, 0.03)]
+    floors = [group_of(mesh, mesh.vertices[:, 2] == height, 0.0) for height in (0, 0.03)]
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, floors)
     levels = layer_surfaces(pattern.edge_phases, pattern.heights, by_level=True)
     points = levels.vertices[levels.triangles].mean(axis=1)
@@ -106,7 +108,7 @@ def test_levels_go_on_where_layers_end(ratio):
     mesh, around = bent_bar((8, 27, 4), 1, 2, np.pi / 2, 0.2)
     x, y, _ = mesh.vertices.T
     spacing = np.hypot(x, y) * np.pi / 2 / np.where(np.hypot(x, y) < 1.49, ratio, 15 - ratio)
-    pattern = solve_layers(mesh, around, spacing, [LayerGroup.of_vertices(mesh, end < 1e-9, 0.0) for end in (x, y)])
+    pattern = solve_layers(mesh, around, spacing, [group_of(mesh, end < 1e-9, 0.0) for end in (x, y)])
     levels = layer_surfaces(pattern.edge_phases, pattern.heights, by_level=True)
     assert pattern.face_numbers.any() and 6 < levels.count <= 10
     middles = levels.vertices[levels.triangles].mean(axis=1)
@@ -119,9 +121,7 @@ def test_layers_of_a_spherical_shell_are_concentric_and_evenly_spaced():
     """Between an inner and an outer sphere on which layers lie: successive distances within 2 % of the spacing."""
     mesh, spacing = shell(np.linspace(1, 1.8, 13), 3, jitter=0.003), 0.2
     radius = np.linalg.norm(mesh.vertices, axis=1)
-    groups = [
-        LayerGroup.of_vertices(mesh, mesh.boundary_vertices & side, 0.0) for side in (radius < 1.01, radius > 1.79)
-    ]
+    groups = [group_of(mesh, mesh.boundary_vertices & side, 0.0) for side in (radius < 1.01, radius > 1.79)]
     layers = surfaces_of(solve_layers(mesh, mesh.vertices / radius[:, None], spacing, groups))
     assert layers.count == 5
     shares = np.linalg.norm(normals(layers), axis=1)
@@ -170,7 +170,7 @@ def test_between_concentric_spheres_every_layer_is_a_closed_sphere():
     mesh = shell(np.linspace(1, 1.8, 6), 3, jitter=0.005)
     radius = np.linalg.norm(mesh.vertices, axis=1)
     inner, outer = mesh.boundary_vertices & (radius < 1.01), mesh.boundary_vertices & (radius > 1.79)
-    groups = [LayerGroup.of_vertices(mesh, chosen, 0.0) for chosen in (inner, outer)]
+    groups = [group_of(mesh, chosen, 0.0) for chosen in (inner, outer)]
     spacing = 0.8 / count
     layers = surfaces_of(solve_layers(mesh, mesh.vertices / radius[:, None], spacing, groups))
     assert layers.count == count + 1 and len(rims(layers)) == 0 and is_manifold_at_vertices(layers)
@@ -198,7 +198,7 @@ def test_tetrahedra_with_all_corners_on_the_surface_do_not_hide_it(sign):
     vertices = np.vstack([1.4 * ball.vertices[ball.triangles[0]].mean(axis=0), ball.vertices, np.zeros(3)])
     tets = np.vstack([tets, [*(ball.triangles[0] + 1), peak]])
     mesh = TetMesh(vertices, positive(vertices, tets))
-    group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
+    group = group_of(mesh, mesh.boundary_vertices, 0.0)
     assert len(group.triangles) == len(mesh.boundary_triangles) == ball.triangle_count + 2
     inwards = gradient_directions(mesh, solid_distance(mesh, mesh.boundary_vertices))
     pattern = solve_layers(mesh, sign * inwards, 1.7, [group])
@@ -236,7 +236,7 @@ def test_a_level_that_is_only_touched_is_no_layer(sign):
 def test_a_surface_is_whole_whatever_is_beside_it(noise, seed):
     mesh = block((4, 4, 3), jitter=0.2)
     z = mesh.vertices[:, 2]
-    groups = [LayerGroup.of_vertices(mesh, chosen, 0.0) for chosen in (z == 0, z == 1)]
+    groups = [group_of(mesh, chosen, 0.0) for chosen in (z == 0, z == 1)]
     random = np.random.default_rng(seed)
     # Many more vertices on levels than chance has it.
     resting = np.flatnonzero((z == 0) | (z == 1) | (random.random(len(z)) < 0.3))
@@ -259,7 +259,7 @@ def test_half_layers_stand_between_the_layers_that_they_part():
     x, y, _ = mesh.vertices.T
     radius = np.hypot(x, y)
     spacing = radius * np.pi / 2 / np.where(radius < 1.49, 8, 11)
-    groups = [LayerGroup.of_vertices(mesh, end < 1e-9, 0.0) for end in (x, y)]
+    groups = [group_of(mesh, end < 1e-9, 0.0) for end in (x, y)]
     pattern = solve_layers(mesh, around, spacing, groups)
     layers = surfaces_of(pattern)
     assert layers.count == 12

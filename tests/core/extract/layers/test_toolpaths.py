@@ -9,14 +9,14 @@ from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.extract.layers.toolpaths import rim_distances, toolpaths
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, solve_layers
+from synch_fields.core.fields.layers import solve_layers
 
-from ...layered_solids import block, shell
+from ...layered_solids import block, group_of, shell
 
 
 def test_on_planes_paths_are_straight_and_evenly_spaced():
     mesh = block((5, 5, 5), jitter=0.2)
-    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.23, [floor])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
     lines, numbers = toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0] - 0.05, 0.1)
@@ -33,7 +33,7 @@ def test_on_planes_paths_are_straight_and_evenly_spaced():
 def test_on_spheres_paths_close():
     mesh = shell(np.linspace(1, 1.6, 4), 2)
     radius = np.linalg.norm(mesh.vertices, axis=1)
-    group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
+    group = group_of(mesh, mesh.boundary_vertices, 0.0)
     pattern = solve_layers(mesh, mesh.vertices / radius[:, None], 0.3, [group])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
     lines, numbers = toolpaths(layers.mesh, layers.layers, layers.vertices[:, 2] + 0.11, 0.25)
@@ -55,7 +55,7 @@ def test_steps_are_positive(step):
 
 def test_steps_that_make_too_many_points_are_refused_with_one_that_does(monkeypatch):
     mesh = block((5, 5, 5), jitter=0.2)
-    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.23, [floor])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
     most = len(toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0], 0.02)[0].triangles)
@@ -70,7 +70,7 @@ def test_steps_that_make_too_many_points_are_refused_with_one_that_does(monkeypa
 def test_contours_run_along_the_rim_one_step_after_the_other():
     """On square layers: squares inside each other, half a step from the rim and then a step apart."""
     mesh = block((6, 6, 4))
-    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.3, [floor])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
     step = 0.12
@@ -89,7 +89,7 @@ def test_contours_run_along_the_rim_one_step_after_the_other():
 
 def test_on_layers_without_a_rim_contours_start_at_the_lowest_place():
     mesh = shell(np.linspace(1, 1.6, 4), 2)
-    group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
+    group = group_of(mesh, mesh.boundary_vertices, 0.0)
     radius = np.linalg.norm(mesh.vertices, axis=1)
     pattern = solve_layers(mesh, mesh.vertices / radius[:, None], 0.3, [group])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)

@@ -12,12 +12,11 @@ from synch_fields.core.fields.guidance.solids import (
     axis_directions,
     curve_vectors,
     extend_directions,
-    gradient_directions,
     vector_directions,
 )
 from synch_fields.core.geometry.tet_mesh import TetMesh
 
-from ...layered_solids import bent_bar, block, shell
+from ...layered_solids import bent_bar, block, gradient_directions, shell
 
 # Below and above the size from which the equations are solved by multigrid.
 SIZES = [(6, 5, 6), (16, 15, 17)]

@@ -8,10 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.features import (
-    corners_of,
+    SHARP,
     sharp_edges,
     sharpen_edges,
-    smooth_regions,
     within_bounds,
 )
 from synch_fields.core.geometry.filling.stuffing import DIHEDRAL_BOUNDS, fill_surface
@@ -51,8 +50,9 @@ def test_a_cube_has_twelve_edges_eight_corners_and_six_regions():
     mesh = cube(3)
     sharp = sharp_edges(mesh)
     assert len(sharp) == 12 * 3
-    assert (np.isin(mesh.vertices[corners_of(mesh, sharp)], (0, 1))).all() and len(corners_of(mesh, sharp)) == 8
-    regions = smooth_regions(mesh, sharp)
+    corners = mesh.line_corners(sharp, SHARP)
+    assert np.isin(mesh.vertices[corners], (0, 1)).all() and len(corners) == 8
+    regions = mesh.parts_between(sharp)
     assert len(np.unique(regions)) == 6
     for region in range(6):
         assert np.ptp(mesh.face_normals[regions == region], axis=0).max() < 1e-12
