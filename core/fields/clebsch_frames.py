@@ -13,7 +13,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from scipy.fft import dct, fft, idct, ifft
 
 from ..geometry.grid import Grid
 from ..interpolate import TURN
@@ -21,6 +20,7 @@ from ..monitor import Callback
 from ..solve import Options
 from ..solve.lifted import lifted_of_rank
 from .clebsch import ClebschMap, SphericalMap, clebsch_map
+from .vorticity import from_waves, to_waves
 
 
 def solve_next_map(
@@ -62,17 +62,13 @@ def potential(grid: Grid, differences: np.ndarray) -> np.ndarray:
     i, j = grid.edges.T
     flow = grid.weights * differences
     sources = np.bincount(j, flow, grid.node_count) - np.bincount(i, flow, grid.node_count)
-    values = (sources / grid.masses).reshape(grid.shape)
+    values = to_waves(grid, (sources / grid.masses).reshape(grid.shape), set())
     stiffness = np.zeros(grid.shape)
     for axis, (count, spacing) in enumerate(zip(grid.shape, grid.spacing, strict=True)):
         is_periodic = grid.periodic[axis]
-        values = fft(values, axis=axis) if is_periodic else dct(values, type=1, axis=axis)
         turn = np.arange(count) * (2 * np.pi / count if is_periodic else np.pi / (count - 1))
         along = [1] * grid.dimension
         along[axis] = count
         stiffness += ((2 - 2 * np.cos(turn)) / spacing**2).reshape(along)
     stiffness[(0,) * grid.dimension] = np.inf  # a constant is free
-    values = values / stiffness
-    for axis in range(grid.dimension):
-        values = ifft(values, axis=axis) if grid.periodic[axis] else idct(values, type=1, axis=axis)
-    return np.real(values).ravel()
+    return from_waves(grid, values / stiffness, set()).ravel()

@@ -16,6 +16,7 @@ from ..connection import Connection, circle_transports, levi_civita
 from ..defects import Defect, disclination_numbers, list_defects
 from ..errors import SettingError
 from ..geometry import TriangleMesh
+from ..graphs import sum_by
 from ..matchings import matchings
 from ..monitor import Callback
 from ..problem import Merged, SynchronizationProblem, Targets, join_targets
@@ -27,6 +28,7 @@ from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
 from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation, varying_part
 from .evenness import quantiles
+from .guidance.curvature import principal_directions
 from .guidance.guides import Guide, blend_guides
 from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
 
@@ -341,3 +343,21 @@ def given_directions(mesh: TriangleMesh, symmetry: int, vectors: ArrayLike) -> D
             "points straight out of the surface: give it a tangential direction"
         )
     return DirectionField(mesh, symmetry, np.angle(tangent))
+
+
+def along_curvature(field: DirectionField) -> DirectionField:
+    """The field with its free pieces turned to agree best with the principal directions.
+
+    Without constraints a turn of all phases by the same angle costs no energy. Edges along the principal directions
+    bend least, and so do faces between them.
+    """
+    assert field.problem is not None
+    mesh, problem = field.mesh, field.problem
+    is_free = np.ones(mesh.pieces.max() + 1, bool)
+    for nodes in (problem.fixed.nodes, problem.drawn.nodes, problem.merged.nodes):
+        is_free[mesh.pieces[nodes]] = False
+    values, weights = principal_directions(mesh, field.symmetry)
+    wanted = weights * values * np.exp(-1j * field.symmetry * field.angles)
+    totals = sum_by(mesh.pieces, wanted)
+    turns = np.where(is_free, np.angle(totals), 0.0) / field.symmetry
+    return field.turned(turns[mesh.pieces])

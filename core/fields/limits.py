@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import SettingError
 from ..interpolate import TURN
 from ..monitor import Callback, portion
 from ..solution import Options
@@ -31,16 +30,10 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class Limits:
-    """Smallest and largest distance of layers, in the solid's units; :class:`SettingError` for an empty range."""
+    """Smallest and largest distance of layers, in the solid's units."""
 
     smallest: float = 0.0
     largest: float = math.inf
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.smallest < self.largest:
-            raise SettingError(
-                f"no layer is between {self} high: give a smallest height from 0 on, and a largest one above it"
-            )
 
     @property
     def bind(self) -> bool:

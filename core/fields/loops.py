@@ -14,7 +14,7 @@ def sum_through_squares(grid: Grid, fluxes: np.ndarray, size: int) -> np.ndarray
     """
     parts, start = [], 0
     for plane in grid.planes:
-        shape = [count - (axis in plane and not grid.periodic[axis]) for axis, count in enumerate(grid.shape)]
+        shape = grid.element_shape(plane)
         values = fluxes[start : start + np.prod(shape)].reshape(shape)
         start += values.size
         for axis in plane:

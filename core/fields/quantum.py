@@ -139,9 +139,10 @@ def halved(grid: Grid, integrals: np.ndarray) -> tuple[Grid, np.ndarray]:
     coarse = Grid(shape, 2 * grid.spacing, grid.origin, grid.periodic, solid if solid.any() else None)
     parts, start = [], 0
     for axis in range(grid.dimension):
-        values = integrals[start : start + np.prod(grid.edge_shape(axis))].reshape(grid.edge_shape(axis))
+        whole, half = grid.element_shape([axis]), coarse.element_shape([axis])
+        values = integrals[start : start + np.prod(whole)].reshape(whole)
         start += values.size
-        ends = [slice(0, 2 * count, 2) for count in coarse.edge_shape(axis)]
-        second = [*ends[:axis], slice(1, 2 * coarse.edge_shape(axis)[axis], 2), *ends[axis + 1 :]]
+        ends = [slice(0, 2 * count, 2) for count in half]
+        second = [*ends[:axis], slice(1, 2 * half[axis], 2), *ends[axis + 1 :]]
         parts.append((values[tuple(ends)] + values[tuple(second)]).ravel())
     return coarse, np.concatenate(parts)

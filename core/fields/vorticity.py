@@ -32,7 +32,7 @@ def vorticity_integrals(grid: Grid, vorticity: ArrayLike) -> np.ndarray:
 def edges_of_faces(grid: Grid, densities: Sequence[np.ndarray]) -> np.ndarray:
     """(e,) integrals of the velocity whose vorticity is nearest to that given, an array of the faces for each
     normal."""
-    waves = [_to_waves(grid, values, {0, 1, 2} - {normal}) for normal, values in enumerate(densities)]
+    waves = [to_waves(grid, values, {0, 1, 2} - {normal}) for normal, values in enumerate(densities)]
     steps = [_multipliers(grid, axis) for axis in range(3)]
     along_x, along_y, along_z = (np.abs(step) ** 2 for step in steps)
     size = along_x + along_y + along_z
@@ -41,7 +41,7 @@ def edges_of_faces(grid: Grid, densities: Sequence[np.ndarray]) -> np.ndarray:
     for axis in range(3):
         after, last = (axis + 1) % 3, (axis + 2) % 3
         velocity = (steps[after].conj() * waves[last] - steps[last].conj() * waves[after]) / -size
-        parts.append(_from_waves(grid, velocity, {axis}).ravel() * grid.spacing[axis])
+        parts.append(from_waves(grid, velocity, {axis}).ravel() * grid.spacing[axis])
     return np.concatenate(parts)
 
 
@@ -63,21 +63,22 @@ def _multipliers(grid: Grid, axis: int) -> np.ndarray:
     return (steps / grid.spacing[axis]).reshape([-1 if axis == other else 1 for other in range(3)])
 
 
-def _to_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
-    """Coefficients of an array; along the axes ``between`` its values lie between the nodes."""
-    for axis in range(3):
+def to_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
+    """Coefficients of an array in cosines, and in waves along periodic axes; along the axes ``between`` its values lie
+    between the nodes, and they are in sines."""
+    for axis in range(grid.dimension):
         if grid.periodic[axis]:
             values = fft(values, axis=axis)
         elif axis in between:  # no wave of number 0
-            values = np.pad(dst(values, type=2, axis=axis), [(int(axis == other), 0) for other in range(3)])
+            values = np.pad(dst(values, type=2, axis=axis), [(int(axis == other), 0) for other in range(values.ndim)])
         else:
             values = dct(values, type=1, axis=axis)
     return values
 
 
-def _from_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
-    """The inverse of :func:`_to_waves`."""
-    for axis in range(3):
+def from_waves(grid: Grid, values: np.ndarray, between: set[int]) -> np.ndarray:
+    """The inverse of :func:`to_waves`."""
+    for axis in range(grid.dimension):
         if grid.periodic[axis]:
             values = ifft(values, axis=axis)
         elif axis in between:

@@ -86,14 +86,15 @@ class Grid:
 
     def _cells(self, axes: Sequence[int]) -> np.ndarray:
         """List the first nodes of the elements that extend along some axes."""
-        return self.numbers[tuple(map(slice, self._element_shape(axes)))].ravel()
+        return self.numbers[tuple(map(slice, self.element_shape(axes)))].ravel()
 
-    def _element_shape(self, axes: Sequence[int]) -> tuple[int, ...]:
+    def element_shape(self, axes: Sequence[int]) -> tuple[int, ...]:
+        """Count, along each axis, the elements that extend along some axes: edges along one, faces along two."""
         return tuple(count - (axis in axes and not self.periodic[axis]) for axis, count in enumerate(self.shape))
 
     def _numbered(self, nodes: np.ndarray, axes: Sequence[int]) -> np.ndarray:
         """Number the elements that extend along some axes from their first nodes."""
-        return np.asarray(np.ravel_multi_index(np.unravel_index(nodes, self.shape), self._element_shape(axes)))
+        return np.asarray(np.ravel_multi_index(np.unravel_index(nodes, self.shape), self.element_shape(axes)))
 
     def _stepped(self, nodes: np.ndarray, axis: int) -> np.ndarray:
         """Find the next node along an axis, wrapping around a periodic one."""
@@ -116,10 +117,6 @@ class Grid:
     def edge_axes(self) -> np.ndarray:
         """(e,) axis of each edge."""
         return np.repeat(np.arange(self.dimension), [len(self._cells([a])) for a in range(self.dimension)])
-
-    def edge_shape(self, axis: int) -> tuple[int, ...]:
-        """Count the edges along an axis, along each axis."""
-        return self._element_shape([axis])
 
     @property
     def can_halve(self) -> bool:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mesh as it was read from an object, on which fields are solved."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,7 +31,7 @@ class MeshInput:
     findings : differences between the repaired and the object's mesh
     own : (k,) vertex that represents each of the object's, which may be another at the same place; None for itself
     across : (s, 2) half-edges on the two sides along which a one-sided surface is open
-    linked : those of ``across`` that are not cut
+    linked : those of ``across`` that are not cut, (l, 2)
     """
 
     mesh: TriangleMesh
@@ -41,8 +41,8 @@ class MeshInput:
     source: np.ndarray
     findings: tuple[Finding, ...] = ()
     own: np.ndarray | None = None
-    across: np.ndarray | None = None
-    linked: np.ndarray | None = None
+    across: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
+    linked: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
 
     @property
     def vertex_count(self) -> int:
@@ -63,24 +63,23 @@ class MeshInput:
     @property
     def seam(self) -> np.ndarray | None:
         """(k, 2) vertices on the two sides of a one-sided surface's seam, without loops; None without a seam."""
-        return None if self.linked is None or not len(self.linked) else find_seam_ends(self.mesh, self.linked)
+        return find_seam_ends(self.mesh, self.linked) if len(self.linked) else None
 
     @property
     def euler_characteristic(self) -> int:
         """Euler characteristic of the surface with the two sides of a seam joined."""
-        characteristic, seam = self.mesh.euler_characteristic, self.seam
-        return characteristic if seam is None or self.linked is None else characteristic + len(self.linked) - len(seam)
+        seam = self.seam
+        return self.mesh.euler_characteristic + (0 if seam is None else len(self.linked) - len(seam))
 
     @property
     def is_closed(self) -> bool:
         """Whether the surface has no boundary except the two sides of a seam."""
-        return len(self.mesh.boundary_edges) == (0 if self.linked is None else self.linked.size)
+        return len(self.mesh.boundary_edges) == self.linked.size
 
     @property
     def boundary_edges(self) -> np.ndarray:
         """Indices of the boundary edges of the uncut surface, without the two sides of a seam."""
-        edges = self.uncut.boundary_edges
-        return edges if self.across is None else np.setdiff1d(edges, self.uncut.triangle_edges.ravel()[self.across])
+        return np.setdiff1d(self.uncut.boundary_edges, self.uncut.triangle_edges.ravel()[self.across])
 
     def at_object(self, values: np.ndarray) -> np.ndarray:
         """Take values at the object's vertices, (k, ...), from values at those of the mesh, (n, ...)."""
@@ -150,8 +149,7 @@ class ObjectMesh:
             if coarse and "flat_faces" in {finding.name for finding in found.findings}:
                 raise MeshError(f"{self.name} has lost its shape: {coarse}") from None
             places = found.mesh, found.polygons, self.stretch, found.mesh, found.source
-            across = found.across if len(found.across) else None
-            return MeshInput(*places, welds + found.findings, found.own[joined], across, across)
+            return MeshInput(*places, welds + found.findings, found.own[joined], found.across, found.across)
         own = joined if len(moved) else None
         return MeshInput(mesh, polygons, self.stretch, mesh, np.arange(mesh.vertex_count), welds, own)
 

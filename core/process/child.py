@@ -13,9 +13,9 @@ import os
 import queue
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from typing import Any, NoReturn, Protocol
+from typing import Any, NoReturn
 
 from ..threads import start_thread
 from .ipc import BrokenParcel, Unpacker, read_chunks, send, take_pipes
@@ -29,15 +29,6 @@ _LOOK, _WORD, _PICTURE = 0.03, 0.05, 0.2
 # Priority is lowered by this, so that the window goes first.
 _NICE = 5
 _Send = Callable[[tuple[object, ...]], None]
-
-
-class _Request(Protocol):
-    """See :mod:`..tasks`."""
-
-    @property
-    def shared(self) -> Sequence[object]: ...
-
-    def solve(self, progress: Callable[[str, float], bool]) -> object: ...
 
 
 def serve(limit: int) -> NoReturn:
@@ -59,7 +50,7 @@ def serve(limit: int) -> NoReturn:
     while True:
         request = inbox.request()
         watch.peak = 0
-        tell(_answer(request, tell, watch, inbox), request.shared)
+        tell(_answer(request, tell, watch, inbox), getattr(request, "shared", ()))
         del request  # frees it before the next one comes
 
 
@@ -74,8 +65,8 @@ class _Inbox:
         self._chunks, self._unpacker = chunks, Unpacker()
         self._messages: list[tuple[Any, ...]] = []
 
-    def request(self) -> _Request:
-        """Wait for the next request; messages about earlier ones are dropped."""
+    def request(self) -> Any:
+        """Wait for the next request (:mod:`..tasks`); messages about earlier ones are dropped."""
         while True:
             while self._messages:
                 word, *rest = self._messages.pop(0)
@@ -122,7 +113,7 @@ class _Watch:
             os._exit(TOO_MUCH_MEMORY)
 
 
-def _answer(request: _Request, send: _Send, watch: _Watch, inbox: _Inbox) -> tuple[object, ...]:
+def _answer(request: Any, send: _Send, watch: _Watch, inbox: _Inbox) -> tuple[object, ...]:
     """Solve a request; the last message about it."""
     from ..errors import Cancelled, SynchError
 

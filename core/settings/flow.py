@@ -33,9 +33,9 @@ class FlowSettings(SolverSettings):
         48,
         "Resolution",
         "Nodes of the grid along its longest side; a NumPy file has its own grid",
-        least=2,
+        least=8,
         most=10_000,
-        usual=(8, 128),
+        usual=(None, 128),
         group="flow",
     )
     share: float = _flow_setting(

@@ -8,10 +8,10 @@ can be pickled, so that a child process can do the work (:mod:`..process.child`)
 ``progress`` is a callable(stage, fraction) or None; a false answer other than None cancels with
 :class:`..errors.Cancelled`; if it has a method ``expect``, that is told about how many seconds the work will take.
 Messages for the user are in the result's ``warnings``, the times of parts of the work, by name, in its ``seconds``.
-``request.shared`` are objects that are also part of the result, so that they need not be sent back. A request with
-``solve_showing(show, progress)`` calls ``show`` with intermediate results, and ``picture(result)`` makes the picture of
-one for a window. ``request.kept``, if it exists, are objects that the next request will probably contain too: the child
-process keeps them until then.
+``request.shared`` are objects that are also part of the result, so that they need not be sent back, and
+``request.kept`` objects that the next request will probably contain too: the child process keeps them until then. Both
+may be missing. A request with ``solve_showing(show, progress)`` calls ``show`` with intermediate results, and
+``picture(result)`` makes the picture of one for a window.
 """
 
 import importlib

@@ -22,7 +22,7 @@ from ..monitor import Callback, Monitor, expect, portion
 from ..settings.flow import FlowSettings
 from ..solve import Options
 from .flow_costs import solve_seconds
-from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, extract_vortices
+from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, extract_vortices
 
 # Bytes of the maps of a frame for each node, and the most for the maps of all frames.
 _KEPT, _MOST_KEPT = 200, 2**30
@@ -68,20 +68,14 @@ class SequenceResult:
 
 @dataclass(frozen=True)
 class SequenceRequest:
-    """Vortices of each frame of a sequence; SettingError for a resolution that shows none, or a method but "sdp"."""
+    """Vortices of each frame of a sequence; SettingError for a method but "sdp"."""
 
     files: tuple[FrameFile, ...]
     settings: FlowSettings
 
     def __post_init__(self) -> None:
-        check_resolution(self.settings.resolution)
         if self.settings.method != "sdp":
             raise SettingError("a frame starts from the relaxation of the one before: use the method sdp")
-
-    @property
-    def shared(self) -> tuple[()]:
-        """Nothing: the grid is known once all frames are read."""
-        return ()
 
     def solve(self, progress: Callback | None = None) -> SequenceResult:
         """Solve all frames with the same circulation of a filament; errors as :meth:`FlowRequest.solve`."""

@@ -5,7 +5,6 @@ import dataclasses
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from numbers import Integral
 
 import numpy as np
 
@@ -51,12 +50,6 @@ _NOISE, _IRROTATIONAL = 0.8, 2.0
 LEAST_SHARE, _SHORTFALL, _MORE_SOLVES, _FAR_BELOW = 0.6, 0.1, 3, 0.5
 # Mean number of filaments through a face above which there is a warning.
 _MANY_QUANTA = 0.25
-
-
-def check_resolution(resolution: object) -> None:
-    """Refuse a resolution that shows no vortex."""
-    if not isinstance(resolution, Integral) or resolution < 8:
-        raise SettingError(f"a resolution of {resolution!r} nodes shows no vortex: give a whole number from 8 on")
 
 
 def check_grid(grid: Grid, name: object) -> None:
@@ -233,18 +226,10 @@ class FilamentPicture:
 
 @dataclass(frozen=True)
 class FlowRequest:
-    """Vortices of a flow in space; SettingError for a resolution that shows none."""
+    """Vortices of a flow in space."""
 
     source: ArrayFile | VolumeFile | FilamentCurves
     settings: FlowSettings
-
-    def __post_init__(self) -> None:
-        check_resolution(self.settings.resolution)
-
-    @property
-    def shared(self) -> tuple[()]:
-        """Nothing: the grid is known once the flow is read."""
-        return ()
 
     def solve(self, progress: Callback | None = None) -> FlowResult:
         """Read, solve and extract; SettingError for an unusable source, Cancelled when ``progress`` returns False."""

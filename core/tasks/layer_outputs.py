@@ -161,11 +161,6 @@ class VoxelsRequest:
                 f"reduce it to {self._largest_resolution}"
             )
 
-    @property
-    def shared(self) -> tuple[()]:
-        """Nothing: all of it is sent."""
-        return ()
-
     def solve(self, progress: Callback | None = None) -> "Voxels":
         """Evaluate the pattern; Cancelled when ``progress`` returns False."""
         monitor = Monitor(progress)

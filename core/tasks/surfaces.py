@@ -25,10 +25,9 @@ from ..fields import (
     direction_field,
     given_directions,
 )
-from ..fields.alignment import along_curvature
 from ..fields.constraints.crowded import without_crowded_lines
 from ..fields.constraints.features import feature_edges, feature_row
-from ..fields.directions import known_directions
+from ..fields.directions import along_curvature, known_directions
 from ..fields.mirror import Reflection, Seam
 from ..fields.patterns import KnownPattern, known_pattern, next_pattern, solve_pattern
 from ..fields.target_one_form import TargetOneForm

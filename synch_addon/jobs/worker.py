@@ -72,7 +72,7 @@ class Worker:
 
     def ask(self, request):
         """Queue a request for it."""
-        self._unpacker.shared = request.shared
+        self._unpacker.shared = getattr(request, "shared", ())
         self.tell(("solve", request), self._kept)
         self._kept = getattr(request, "kept", ())
 

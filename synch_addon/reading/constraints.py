@@ -26,9 +26,9 @@ def cut_mesh(obj, given, constraints):
         return given
     edges = np.unique(np.concatenate([_edges(obj, given, c) for c in cutting]))
     mesh, source = cut_open(given.mesh, edges)
-    polygons, linked = given.polygons.with_triangles(mesh.triangles), given.linked
-    if linked is not None:  # the seam of a one-sided surface stays linked where it is not cut
-        linked = linked[~np.isin(given.mesh.triangle_edges.ravel()[linked], edges).any(axis=1)]
+    polygons = given.polygons.with_triangles(mesh.triangles)
+    # The seam of a one-sided surface stays linked where it is not cut.
+    linked = given.linked[~np.isin(given.mesh.triangle_edges.ravel()[given.linked], edges).any(axis=1)]
     return replace(given, mesh=mesh, polygons=polygons, source=given.source[source], linked=linked)
 
 

@@ -29,7 +29,7 @@ def read_surface(obj, strict=False):
     """
     given = meshes.read_mesh(obj, strict=strict, weld=not strict)
     refuse_far_vertices(given.mesh)
-    if given.across is not None:
+    if len(given.across):
         vertices = np.unique(given.source[given.seam])
         raise MeshError(f"{obj.name} is one-sided and encloses nothing: fill a closed surface with two sides", vertices)
     if given.findings and len(given.mesh.boundary_edges):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import DirectionWishes, direction_field
-from synch_fields.core.fields.alignment import along_curvature
+from synch_fields.core.fields.directions import along_curvature
 from synch_fields.core.solve import Options
 
 from ..direction_wishes import boundary_row

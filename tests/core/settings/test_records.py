@@ -130,3 +130,9 @@ def test_a_new_group_of_settings_is_checked_by_its_records_alone():
     for wrong in ({"count": 0}, {"count": 2.5}, {"width": 0}, {"width": "x"}, {"width": True}):
         with pytest.raises(SettingError):
             Knobs(**wrong)
+
+
+@pytest.mark.parametrize("heights", [(0.2, 0.1), (0.1, 0.1)])
+def test_heights_that_no_layer_is_between_are_refused(heights):
+    with pytest.raises(SettingError, match="no layer is between"):
+        core_settings.LayerSettings(smallest_height=heights[0], largest_height=heights[1])
