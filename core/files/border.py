@@ -98,7 +98,7 @@ def whole_numbers(values: np.ndarray) -> np.ndarray:
         return values.astype(np.int64)
     wrong = ~((np.abs(values) < _LARGEST_WHOLE) & (values == np.rint(values)))
     if wrong.any():
-        raise ValueError(f"the number {values[wrong][0]:g}")
+        raise ValueError(f"{values[wrong][0]:g} is not a whole number, or too large")
     return values.astype(np.int64)
 
 

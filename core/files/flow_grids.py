@@ -24,7 +24,7 @@ from ..memory import at_most
 from .border import TEXT_BYTES, border, check_promise, read_bytes
 from .flow_arrays import library, read_arrays
 from .regular_flows import MASKS, PLANE, SOLIDS, GridFlow, grid_flow, is_solid, resample_evenly
-from .tets import vtu_array, vtu_arrays, vtu_root
+from .tets import vtu_array, vtu_root
 from .volumes import SOUND_BYTES, SOUND_RATIO, choose_flow, component_names
 
 IMAGE, ARRAYS, MESHES = (".vti",), (".nc", ".h5", ".hdf5"), (".vts", ".vtr", ".vtk", ".vtu")
@@ -121,8 +121,7 @@ def _read_image(path: Path, attribute: str) -> GridFlow:
     )
     extra = [name for name in found if name.lower() in (*SOLIDS, *MASKS) and sizes[name] == 1]
     check_promise(path, 16 * count * sum(sizes[name] for name in (*chosen, *extra)))
-    with vtu_arrays():
-        arrays = {n: vtu_array(root, appended, found[n], count * sizes[n]) for n in (*chosen, *extra)}
+    arrays = {n: vtu_array(root, appended, found[n], count * sizes[n]) for n in (*chosen, *extra)}
     # The first axis counts fastest.
     arrays = {n: a.reshape(*shape[::-1], sizes[n]).transpose(2, 1, 0, 3) for n, a in arrays.items()}
     vectors = np.concatenate([arrays[name] for name in chosen], axis=3)

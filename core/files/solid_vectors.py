@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh
 from .border import TEXT_BYTES, border, read_bytes, text_numbers
-from .tets import VTK_TET, medit_sections, read_tets, vtu_array, vtu_arrays, vtu_root, vtu_sizes
+from .tets import VTK_TET, medit_sections, read_tets, vtu_array, vtu_root, vtu_sizes
 
 SUFFIXES = (".vtu", ".sol")
 # Numbers of MEDIT's types of fields.
@@ -70,15 +70,14 @@ def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
     pieces = list(root.iter("Piece"))
     for piece in pieces:
         points, cells = vtu_sizes(piece)
-        with vtu_arrays():
-            types = next(a for a in piece.iterfind("Cells/DataArray") if a.get("Name") == "types")
-            is_tet = vtu_array(root, appended, types, cells) == VTK_TET
-            for place, count in (("PointData", points), ("CellData", cells)):
-                for array in piece.iterfind(f"{place}/DataArray"):
-                    if "Float" in array.get("type", "") and array.get("NumberOfComponents") == "3":
-                        values = vtu_array(root, appended, array, 3 * count).reshape(-1, 3).astype(float)
-                        key = str(array.get("Name")), place == "PointData"
-                        found.setdefault(key, []).append(values if key[1] else values[is_tet])
+        types = next(a for a in piece.iterfind("Cells/DataArray") if a.get("Name") == "types")
+        is_tet = vtu_array(root, appended, types, cells) == VTK_TET
+        for place, count in (("PointData", points), ("CellData", cells)):
+            for array in piece.iterfind(f"{place}/DataArray"):
+                if "Float" in array.get("type", "") and array.get("NumberOfComponents") == "3":
+                    values = vtu_array(root, appended, array, 3 * count).reshape(-1, 3).astype(float)
+                    key = str(array.get("Name")), place == "PointData"
+                    found.setdefault(key, []).append(values if key[1] else values[is_tet])
     return {key: np.concatenate(parts) for key, parts in found.items() if len(parts) == len(pieces)}
 
 
@@ -89,12 +88,9 @@ def _of_sol(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
     for keyword, at_vertices in (("SolAtVertices", True), ("SolAtTetrahedra", False)):
         if keyword not in sections:
             continue
-        try:
-            count, number, *rest = text_numbers(sections[keyword]).tolist()
-            widths = [_WIDTHS[kind] for kind in rest[: int(number)]]
-            rows = np.array(rest[int(number) :], float).reshape(int(count), sum(widths))
-        except (ValueError, KeyError, OverflowError) as error:
-            raise SettingError(f"{path}: {keyword} cannot be read ({error}): export it again") from error
+        count, number, *rest = text_numbers(sections[keyword]).tolist()
+        widths = [_WIDTHS[kind] for kind in rest[: int(number)]]
+        rows = np.array(rest[int(number) :], float).reshape(int(count), sum(widths))
         for field, (width, end) in enumerate(zip(widths, np.cumsum(widths), strict=True)):
             if width == 3:
                 found[str(field), at_vertices] = rows[:, end - 3 : end]

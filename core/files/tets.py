@@ -10,8 +10,6 @@
 import re
 import zlib
 from base64 import b64decode
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -20,7 +18,7 @@ import numpy as np
 from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh, positive
 from ..graphs import components
-from .border import TEXT_BYTES, UNREADABLE, border, check_promise, read_bytes, text_numbers, whole_numbers
+from .border import TEXT_BYTES, border, check_promise, read_bytes, text_numbers, whole_numbers
 
 SUFFIXES = (".mesh", ".vtu")
 # Cells of VTK: a triangle, a tetrahedron, and other cells with a volume.
@@ -116,21 +114,15 @@ def _read_medit(path: Path, content: bytes) -> _Read:
         if len(sections.get(name, "").split(None, 2)) > 1:  # more than a count of 0
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
     vertices = medit_rows("Vertices", sections["Vertices"], 3)[:, :3]
-    try:
-        tets = whole_numbers(medit_rows("Tetrahedra", sections.get("Tetrahedra", "0"), 4))[:, :4]
-        rows = whole_numbers(medit_rows("Triangles", sections.get("Triangles", "0"), 3))
-    except ValueError as error:
-        raise SettingError(f"{path} has {error} among the vertices of its cells: export it again") from error
+    tets = whole_numbers(medit_rows("Tetrahedra", sections.get("Tetrahedra", "0"), 4))[:, :4]
+    rows = whole_numbers(medit_rows("Triangles", sections.get("Triangles", "0"), 3))
     return vertices, tets - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
 
 
 def medit_rows(name: str, text: str, width: int) -> np.ndarray:
     """(count, width + 1) numbers of a section, the last of each row its reference."""
-    try:
-        head, *rest = text.split(None, 1)
-        count, numbers = int(head), text_numbers(*rest or [""])
-    except (ValueError, OverflowError) as error:
-        raise SettingError(f"something among its {name} is not a number: export it again") from error
+    head, *rest = text.split(None, 1)
+    count, numbers = int(head), text_numbers(*rest or [""])
     if count < 0 or len(numbers) != count * (width + 1):
         raise SettingError(
             f"it promises {count} {name} of {width + 1} numbers and has {len(numbers)} numbers: "
@@ -146,18 +138,15 @@ def _read_vtu(path: Path, content: bytes) -> _Read:
     check_vtu_sizes(path, root)
     for piece in root.iter("Piece"):
         vertices, cells = vtu_sizes(piece)
-        with vtu_arrays():
-            here = vtu_array(root, appended, piece.find("Points/DataArray"), 3 * vertices).reshape(-1, 3)
-            arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
-            ends, types = (
-                whole_numbers(vtu_array(root, appended, arrays[name], cells)) for name in ("offsets", "types")
-            )
-            corners = whole_numbers(vtu_array(root, appended, arrays["connectivity"], ends.max(initial=0)))
-            values = {
-                str(a.get("Name")): vtu_array(root, appended, a, cells)
-                for a in piece.iterfind("CellData/DataArray")
-                if "Int" in a.get("type", "") and a.get("NumberOfComponents", "1") == "1"
-            }
+        here = vtu_array(root, appended, piece.find("Points/DataArray"), 3 * vertices).reshape(-1, 3)
+        arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
+        ends, types = (whole_numbers(vtu_array(root, appended, arrays[name], cells)) for name in ("offsets", "types"))
+        corners = whole_numbers(vtu_array(root, appended, arrays["connectivity"], ends.max(initial=0)))
+        values = {
+            str(a.get("Name")): vtu_array(root, appended, a, cells)
+            for a in piece.iterfind("CellData/DataArray")
+            if "Int" in a.get("type", "") and a.get("NumberOfComponents", "1") == "1"
+        }
         for kind in VTK_SOLIDS.keys() & set(types.tolist()):
             raise SettingError(f"{path} has {VTK_SOLIDS[kind]}: split all cells into straight tetrahedra")
         if (ends < 0).any():
@@ -175,22 +164,12 @@ def _read_vtu(path: Path, content: bytes) -> _Read:
     return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
 
 
-@contextmanager
-def vtu_arrays() -> Iterator[None]:
-    """Turn errors of damaged arrays of a .vtu file into one line."""
-    try:
-        yield
-    except (*UNREADABLE, MemoryError) as error:
-        raise SettingError(f"it has an array that cannot be read ({error}): export it again") from error
-
-
 def vtu_sizes(piece: ElementTree.Element) -> tuple[int, int]:
     """The numbers of points and cells that a piece of a .vtu file promises."""
-    with vtu_arrays():
-        points, cells = (int(_get(piece, f"NumberOf{name}")) for name in ("Points", "Cells"))
-        if min(points, cells) < 0:
-            raise ValueError(f"{points} points, {cells} cells")
-        return points, cells
+    points, cells = (int(_get(piece, f"NumberOf{name}")) for name in ("Points", "Cells"))
+    if min(points, cells) < 0:
+        raise ValueError(f"{points} points, {cells} cells")
+    return points, cells
 
 
 def _get(element: ElementTree.Element, name: str) -> str:
@@ -209,10 +188,7 @@ def check_vtu_sizes(path: Path, root: ElementTree.Element) -> None:
 def vtu_root(path: Path, content: bytes, kind: str = "UnstructuredGrid") -> tuple[ElementTree.Element, bytes]:
     """The XML of a .vtu file, or of VTK's file of another kind, and its appended bytes."""
     head, appended, tail = _without_raw_data(content)
-    try:
-        root = ElementTree.fromstring(head + tail)
-    except ElementTree.ParseError as error:
-        raise SettingError(f"{path} is not an XML file ({error}): export it again") from error
+    root = ElementTree.fromstring(head + tail)
     if root.tag != "VTKFile" or root.get("type") != kind:
         wanted = (
             "not an unstructured grid of VTK: export it as .vtu" if kind == "UnstructuredGrid" else f"not VTK's {kind}"

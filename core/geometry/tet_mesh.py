@@ -238,12 +238,8 @@ def signed_volumes(vertices: ArrayLike, tets: ArrayLike) -> np.ndarray:
 
 
 def positive(vertices: ArrayLike, tets: ArrayLike) -> np.ndarray:
-    """Swap the last two corners of inverted tetrahedra, which some files contain: (m, 4).
-
-    Raises MeshError for no tetrahedra, and a vertex index out of range.
-    """
-    vertices, tets = np.asarray(vertices), np.array(tets, np.int64)
-    _refuse_indices(vertices, tets)
+    """Swap the last two corners of inverted tetrahedra, which some files contain: (m, 4)."""
+    tets = np.array(tets, np.int64)
     inverted = signed_volumes(vertices, tets) < 0
     tets[inverted] = tets[inverted][:, [0, 1, 3, 2]]
     return tets

@@ -14,7 +14,7 @@ from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import boundary_splits, find_slivers, welded_vertices
 from ..graphs import ragged_arange
 from .division import Division, divide, split_at, whole_division
-from .mirroring import Reflection, add_reflection, cut_at_plane, find_positive_side, snap_to_planes
+from .mirroring import Reflection, add_reflection, cut_at_plane, snap_to_planes
 
 # Most triangles of a finer copy: solves on more would take minutes and gigabytes.
 MOST_TRIANGLES = 1_000_000
@@ -138,7 +138,7 @@ def _divide_symmetrically(
     cut = snap_to_planes(whole, reflections)
     for reflection in reflections:
         cut = cut_at_plane(cut, reflection)
-        cut = cut[find_positive_side(cut, reflection)]
+        cut = cut[(cut.vertices[cut.triangles, reflection.axis] >= 0).all(axis=1)]
     division = _divide(cut, longest, 2 ** len(reflections))
     parents = corners[division.source]
     for reflection in reflections:

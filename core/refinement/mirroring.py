@@ -84,11 +84,6 @@ def _add_cuts(vertices: np.ndarray, heights: np.ndarray, faces: Faces, axis: int
     return np.concatenate([vertices, cuts]), faces.with_points(points, between)
 
 
-def find_positive_side(division: Division, reflection: Reflection) -> np.ndarray:
-    """Find the triangles of a cut division on the plane's positive side or in the plane, (t,) bool."""
-    return (division.vertices[division.triangles, reflection.axis] >= 0).all(axis=1)
-
-
 def add_reflection(division: Division, parents: np.ndarray, reflection: Reflection) -> tuple[Division, np.ndarray]:
     """Join a division on the positive side with its mirror image; triangles in the plane are their own image.
 

@@ -250,11 +250,6 @@ def _obj_mesh(name, data, matrix):
     )
 
 
-def is_report(path):
-    """Whether a path may be written as a report: nothing else is ever overwritten with one."""
-    return Path(path).suffix.lower() == ".json"
-
-
 def _is_blend(path):
     """Whether a file begins as a .blend does, compressed or not."""
     with path.open("rb") as file:

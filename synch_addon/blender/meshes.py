@@ -104,22 +104,18 @@ def measured_places(obj):
     return read_values(obj, "position", "POINT").astype(float) if len(obj.data.vertices) else np.empty((0, 3))
 
 
-def _places(obj, stretch):
-    with np.errstate(invalid="ignore"):  # vertices that are not finite are kept
-        return measured_places(obj) @ stretch.T
-
-
 def is_unchanged(obj, given):
     """Whether the object still has the positions, faces and scale of a :class:`MeshInput`."""
     if len(obj.data.vertices) != given.vertex_count:
         return False
     now, then = read_polygons(obj), given.polygons
-    return (
-        np.array_equal(finite_places(_places(obj, given.stretch)), given.uncut.vertices[: given.vertex_count])
-        and has_faces(now, given)
-        and np.array_equal(_drawn_triangles(now, then), np.sort(then.triangle_corners, axis=1))
-        and np.array_equal(_stretch(obj), given.stretch)
-    )
+    with np.errstate(invalid="ignore"):  # vertices that are not finite are kept
+        places = finite_places(measured_places(obj) @ given.stretch.T)
+    if not (np.array_equal(places, given.uncut.vertices[: given.vertex_count]) and has_faces(now, given)):
+        return False
+    drawn = now.triangle_corners[then.drawn[now.triangle_faces]]
+    is_drawn_alike = np.array_equal(np.sort(drawn, axis=1), np.sort(then.triangle_corners, axis=1))
+    return is_drawn_alike and np.array_equal(_stretch(obj), given.stretch)
 
 
 def has_faces(polygons, given):
@@ -128,11 +124,6 @@ def has_faces(polygons, given):
     then = given.polygons
     same = np.array_equal(corners, given.source[then.corner_vertices])
     return same and np.array_equal(polygons.starts, then.starts)
-
-
-def _drawn_triangles(polygons, surface):
-    """Corners, ascending, of the triangles of the faces that are part of a surface."""
-    return np.sort(polygons.triangle_corners[surface.drawn[polygons.triangle_faces]], axis=1)
 
 
 def read_polygons(obj):

@@ -162,7 +162,7 @@ def _report_error(options, declared, error):
     line = _reason(error)
     path = getattr(options, "report", None)
     is_kept = isinstance(error, WriteError) and path and os.path.exists(path)
-    if path and files.is_report(path) and not is_kept:
+    if path and Path(path).suffix.lower() == ".json" and not is_kept:  # no other file is overwritten with a report
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
             with make_folders(file for file in declared if file.flag == "--report"):

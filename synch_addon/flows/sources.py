@@ -29,13 +29,8 @@ def flow_source(source, core, attribute=VELOCITY):
     if isinstance(source, str | Path):
         return flow_file(source, attribute, module_file())
     if isinstance(source, bpy.types.Object) and source.type == "VOLUME":
-        return volume_source(source, attribute)
+        return VolumeFile(shown_file(source), np.array(source.matrix_world), source.name, attribute, module_file())
     return _filaments(objects_of(source), core)
-
-
-def volume_source(obj, attribute):
-    """The :class:`VolumeFile` that a volume object shows now."""
-    return VolumeFile(shown_file(obj), np.array(obj.matrix_world), obj.name, attribute, module_file())
 
 
 def objects_of(source):

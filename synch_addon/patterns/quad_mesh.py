@@ -8,10 +8,11 @@ from ...core.extract.quads.measure.loops import quad_loops
 from ...core.extract.quads.measure.quality import quality
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
-from ..blender import attributes, groups, meshes
+from ..blender import attributes, meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.new_geometry import new_mesh
 from ..blender.objects import hide
+from ..blender.refined_mesh import carry_groups
 from ..blender.schema import PREFIX
 from ..blender.transaction import assign, leave
 from ..nodes.materials import shows_pattern
@@ -97,9 +98,7 @@ def _carry(obj, made, given, quads, centres, under, surface):
             continue
         attributes.write_attribute(made, name, domain, data_type, values)
     attributes.show_same_maps(obj, made)
-    for group in obj.vertex_groups:
-        weights = groups.read_weights(obj, group.name)[corners]
-        groups.write_weights(made, group.name, np.einsum("nk,nk->n", quads.weights, weights))
+    carry_groups(obj, made, corners, quads.weights)
 
 
 def _show_instead(obj, made, selection):

@@ -197,7 +197,8 @@ def _subdivide(obj, levels, smooth):
 def draw_warning(layout, obj):
     """Say where the object's own faces, if they are chosen, are too coarse for the spacing that is set, with a button
     that subdivides them."""
-    if obj.synch.surface != "FACES" or obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
+    is_made = read_result_or_empty(obj.synch.result).get("command") == "quad_mesh"  # of another mesh
+    if obj.synch.surface != "FACES" or obj.mode != "OBJECT" or is_made or missing_levels(obj) <= 0:
         return
     found, levels = mesh_detail(obj), offered_levels(obj)
     column = layout.box().column(align=True)
@@ -226,11 +227,6 @@ def as_length(number):
     if units.system == "METRIC" and units.length_unit == "METERS":
         return f"{number * units.scale_length:.3g} m"
     return bpy.utils.units.to_string(bpy.context.scene.unit_settings.system, "LENGTH", number, precision=3)
-
-
-def _is_made(obj):
-    """Whether an object is a mesh of quads that was made of another one."""
-    return read_result_or_empty(obj.synch.result).get("command") == "quad_mesh"
 
 
 def _look_at(obj):

@@ -9,7 +9,6 @@ differ, but no profile sees them: the heights at the corners of a vertex agree, 
 
 import math
 from numbers import Integral
-from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -34,19 +33,7 @@ from ..nodes.stripes import VERSION
 _EDGES_PER_PERIOD = 12
 _MOST_FACES = 1_500_000
 _DEEPEST = 6
-
-
-class _Kind(NamedTuple):
-    """What relief there is of a kind of pattern: its group's name and profiles."""
-
-    name: str
-    profiles: tuple
-
-
-KINDS = {
-    "stripes": _Kind(RELIEFS["stripes"], STRIPE_PROFILES),
-    "quads": _Kind(RELIEFS["quads"], QUAD_PROFILES),
-}
+PROFILES = {"stripes": STRIPE_PROFILES, "quads": QUAD_PROFILES}
 _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
 
 
@@ -70,8 +57,7 @@ def _inputs(kind, profiles):
 
 def relief_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
-    name, profiles = KINDS[kind]
-    tree, canvas = group_tree(name, f"{VERSION}", _inputs(kind, profiles), _OUTPUTS, GeometryCanvas)
+    tree, canvas = group_tree(RELIEFS[kind], f"{VERSION}", _inputs(kind, PROFILES[kind]), _OUTPUTS, GeometryCanvas)
     phases = phase_groups(kind, "Synch Relief Phase", GeometryCanvas)
     if canvas is None:
         return tree
@@ -144,14 +130,14 @@ def add_relief(obj, height, width, profile, level, smooth):
         "Smooth": convert_value("smooth", bool, smooth),
     }
     group = relief_group(kind)
-    modifier = relief_modifier(obj)
+    modifier = next(filter(is_relief, obj.modifiers), None)
     if modifier is None:
         modifier = add_modifier(obj, group, values)
     else:
         if modifier.node_group != group:
             assign(modifier, "node_group", group)
         set_inputs(modifier, values)
-    named = KINDS[kind].profiles[values["Profile"]]
+    named = PROFILES[kind][values["Profile"]]
     return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": named}
 
 
@@ -172,17 +158,12 @@ def _whole(name, value, most):
 
 def _profile(kind, profile):
     """The number of a profile that is given by its name or number."""
-    names = KINDS[kind].profiles
+    names = PROFILES[kind]
     if isinstance(profile, str) and profile in names:
         return names.index(profile)
     if isinstance(profile, Integral) and not isinstance(profile, bool) and 0 <= profile < len(names):
         return int(profile)
     raise SettingError(f"the profile {quote_value(profile)} is unknown: use one of {', '.join(names)}")
-
-
-def relief_modifier(obj):
-    """The modifier of an object that uses one of the groups, or None."""
-    return next((modifier for modifier in obj.modifiers if is_relief(modifier)), None)
 
 
 def _kind_of(obj):

@@ -33,12 +33,8 @@ class Lattice:
         return self.corner_count + int(np.prod(self.cells))
 
     def corner_points(self, indices: np.ndarray) -> np.ndarray:
-        """Compute (k, 3) positions of corners from (k, 3) indices."""
+        """Compute (k, 3) positions of corners from (k, 3) indices; half of one more along each axis is a centre."""
         return self.origin + self.size * indices
-
-    def centre_points(self, indices: np.ndarray) -> np.ndarray:
-        """Compute (k, 3) positions of centres from the (k, 3) indices of their cubes."""
-        return self.origin + self.size * (indices + 0.5)
 
     def points(self, vertices: np.ndarray) -> np.ndarray:
         """Compute (k, 3) positions of vertices from their numbers."""
@@ -47,7 +43,7 @@ class Lattice:
         corners = np.unravel_index(vertices[are_corners], self.cells + 1)
         points[are_corners] = self.corner_points(np.column_stack(corners))
         centres = np.unravel_index(vertices[~are_corners] - self.corner_count, self.cells)
-        points[~are_corners] = self.centre_points(np.column_stack(centres))
+        points[~are_corners] = self.corner_points(np.column_stack(centres) + 0.5)
         return points
 
     def edges_across(self, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -148,11 +148,8 @@ class Lengths(NamedTuple):
 
 def estimate(measures: SurfaceDistance | Measures, size: float | None = None) -> Estimate:
     """Estimate the solid in a surface for a size, or for the automatic one."""
-    size = (
-        max(_size_for_tets(measures, AUTOMATIC_TETS), _size_for_cubes(measures, AUTOMATIC_CUBES))
-        if size is None
-        else size
-    )
+    if size is None:
+        size = max(_size_for_tets(measures, AUTOMATIC_TETS), _size_for_cubes(measures, AUTOMATIC_CUBES))
     tets = estimated_tets(measures.volume, size, measures.area)
     return Estimate(size, tets, max(SOLVED_BYTES * tets, estimated_bytes(tets, measures.bounds, size)))
 
@@ -170,15 +167,10 @@ def _refuse_size(distance: SurfaceDistance, size: float) -> None:
     """Refuse a size that makes no solid, or more than a machine can hold."""
     if not (np.isfinite(size) and size > 0):
         raise SettingError(f"the tetrahedra's size is {size:g}: give a positive length")
-    smallest = _smallest_size(distance)
+    smallest = max(_size_for_tets(distance, MOST_TETS), _size_for_cubes(distance, MOST_CUBES))
     if size < smallest:
         expected = estimate(distance, size)
         raise SettingError(f"a size of {size:g} makes about {expected}: give one from {smallest:.3g} on")
-
-
-def _smallest_size(distance: SurfaceDistance) -> float:
-    """Find the size that makes the largest permitted number of tetrahedra or cubes."""
-    return max(_size_for_tets(distance, MOST_TETS), _size_for_cubes(distance, MOST_CUBES))
 
 
 def _size_for_cubes(measures: SurfaceDistance | Measures, cubes: int) -> float:

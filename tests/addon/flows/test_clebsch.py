@@ -162,7 +162,7 @@ def test_the_command_line(tmp_path, capfd):
         ({"opening": 200}, "to 179.9"),
         ({"point": (0, 0, 0)}, "three numbers that are not all 0"),
         ({"show": "tubes", "method": "spectral"}, "use the method sdp"),
-        ({"resolution": 3}, "a resolution of 3 nodes"),
+        ({"resolution": 3}, "the resolution is 3: give a whole number from 8"),
         ({"colour": 1}, "'colour' is unknown"),
     ],
 )

@@ -117,7 +117,7 @@ def test_masks_and_missing_numbers_are_solid(tmp_path):
         (lambda t: t.replace(b'Spacing="0.5', b'Spacing="wide'), "cannot be read"),
         (lambda t: t.replace(b'Spacing="0.5 ', b'Spacing="'), "its Spacing is '0.25 0.125': give 3 numbers"),
         (lambda t: t.replace(b'WholeExtent="0 4', b'WholeExtent="0 3'), "its piece is not the whole"),
-        (lambda t: t.replace(b'Extent="0 4', b'Extent="0 9'), "an array that cannot be read"),
+        (lambda t: t.replace(b'Extent="0 4', b'Extent="0 9'), "cannot be read"),
         (lambda t: t.replace(b'Extent="0 4', b'Extent="0 400000000'), "takes about"),
         (
             lambda t: t.replace(b'"velocity"', b'"other"').replace(b'Components="3"', b'Components="2"'),

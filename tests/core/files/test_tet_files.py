@@ -107,12 +107,12 @@ def test_only_what_triangles_enclose_is_the_solid(tmp_path, skin):
         (medit(tets="Tetrahedra\n0\n"), SettingError, "has no tetrahedra"),
         (medit(tets=TETS.replace("\n2\n", "\n3\n", 1)), SettingError, "promises 3 Tetrahedra of 5 numbers and has 10"),
         (medit(points=POINTS.replace("1 0 0 1", "1 0 0")), SettingError, "promises 5 Vertices of 4 numbers"),
-        (medit(points=POINTS.replace("1 0 0 1", "1 0 a 1")), SettingError, "among its Vertices is not a number"),
+        (medit(points=POINTS.replace("1 0 0 1", "1 0 a 1")), SettingError, "cannot be read .*float: 'a'"),
         (medit(tets=TETS.replace("5 6", "9 6")), SettingError, "tetrahedron 1 names a vertex that is not among the 5"),
         (medit(tets=TETS.replace("5 6", "0 6")), SettingError, "tetrahedron 1 names a vertex"),
-        (medit(tets=TETS.replace("5 6", "99999999999999999999999 6")), SettingError, "has the number 1e\\+23 among"),
-        (medit(tets=TETS.replace("5 6", "4.5 6")), SettingError, "has the number 4.5 among"),
-        (medit(between="Triangles\n1\n1 2 1e400 9\n"), SettingError, "has the number inf among"),
+        (medit(tets=TETS.replace("5 6", "99999999999999999999999 6")), SettingError, "1e\\+23 is not a whole number"),
+        (medit(tets=TETS.replace("5 6", "4.5 6")), SettingError, "4.5 is not a whole number"),
+        (medit(between="Triangles\n1\n1 2 1e400 9\n"), SettingError, "inf is not a whole number"),
         (medit(tets=TETS.replace("5 6", "4 6")), MeshError, "tetrahedron 1 has no volume"),
         (medit(head="MeshVersionFormatted 1\nDimension 2\n"), SettingError, "is flat: export a solid of dimension 3"),
         (medit(between="Hexahedra\n1\n1 2 3 4 5 1 2 3 0\n"), SettingError, "has Hexahedra: split all cells"),
@@ -212,11 +212,11 @@ def test_pieces_of_vtu_are_put_together(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda text: text[: len(text) // 2], "is not an XML file"),
+        (lambda text: text[: len(text) // 2], "cannot be read"),
         (lambda text: text.replace(b"UnstructuredGrid", b"PolyData"), "is not an unstructured grid"),
-        (lambda text: text.replace(b'Name="types"', b'Name="kinds"'), "has an array that cannot be read"),
+        (lambda text: text.replace(b'Name="types"', b'Name="kinds"'), "cannot be read"),
         (lambda text: text.replace(b"vtkZLib", b"vtkLZ4"), "compressed by vtkLZ4DataCompressor, use zlib"),
-        (lambda text: text.replace(b'type="Float64"', b'type="String"'), "has an array that cannot be read"),
+        (lambda text: text.replace(b'type="Float64"', b'type="String"'), "cannot be read"),
     ],
 )
 def test_broken_vtu_files_are_refused_in_one_line(tmp_path, change, words):
@@ -244,7 +244,7 @@ def test_blocks_that_are_longer_than_promised_are_not_unpacked(tmp_path):
 
 def test_indices_that_no_number_holds_are_refused_in_one_line(tmp_path):
     text = re.sub(rb'(Name="connectivity"[^>]*>)\d+', rb"\g<1>" + b"9" * 23, Vtu("ascii").text(block()))
-    with pytest.raises(SettingError, match="has an array that cannot be read") as caught:
+    with pytest.raises(SettingError, match="cannot be read") as caught:
         read_tets(written(tmp_path, text, "solid.vtu"))
     assert "\n" not in str(caught.value)
 
@@ -252,8 +252,8 @@ def test_indices_that_no_number_holds_are_refused_in_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda text: re.sub(rb' offset="\d+"', b"", text), "has an array that cannot be read"),
-        (lambda text: text.replace(b"AppendedData", b"Data"), "has an array that cannot be read"),
+        (lambda text: re.sub(rb' offset="\d+"', b"", text), "cannot be read"),
+        (lambda text: text.replace(b"AppendedData", b"Data"), "cannot be read"),
     ],
 )
 def test_appended_arrays_that_are_nowhere_are_refused_in_one_line(tmp_path, change, words):
