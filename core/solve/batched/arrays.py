@@ -30,8 +30,7 @@ class SideBySide:
     def diagonal(self) -> np.ndarray:
         """(N,) the longest of their diagonals, which bounds the rounding error."""
         found = np.abs(np.diagonal(self._matrices, axis1=1, axis2=2))
-        longest: np.ndarray = found[np.argmax((found**2).sum(axis=1))]
-        return longest
+        return found[np.argmax((found**2).sum(axis=1))]
 
     def __matmul__(self, columns: np.ndarray) -> np.ndarray:
         shape = (len(columns), len(self._matrices), columns.shape[1] // len(self._matrices))
@@ -71,8 +70,7 @@ def positive_inverse(matrices: np.ndarray, least: np.ndarray) -> np.ndarray:
     """Inverses of Hermitian matrices whose eigenvalues are replaced by their absolute values, at least (k,) numbers."""
     values, vectors = np.linalg.eigh(matrices)
     values = np.maximum(np.abs(values), least[:, None])
-    inverses: np.ndarray = (vectors / values[:, None, :]) @ np.conj(vectors).swapaxes(1, 2)
-    return inverses
+    return (vectors / values[:, None, :]) @ np.conj(vectors).swapaxes(1, 2)
 
 
 def with_diagonal(matrices: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
@@ -107,8 +105,7 @@ def _at_nodes(stack: Stack, numbers: np.ndarray) -> np.ndarray:
 def unit_lifted(stack: Stack, fields: np.ndarray) -> np.ndarray:
     """(k, N, r) lifted fields with a unit vector per node."""
     lengths = np.sqrt(_at_nodes(stack, np.abs(fields) ** 2))
-    unit: np.ndarray = fields / np.repeat(np.where(lengths > 0, lengths, 1), stack.block, axis=1)[:, :, None]
-    return unit
+    return fields / np.repeat(np.where(lengths > 0, lengths, 1), stack.block, axis=1)[:, :, None]
 
 
 def principal_columns(stack: Stack, fields: np.ndarray) -> np.ndarray:

@@ -148,5 +148,4 @@ def _unit_coordinates(stack: Stack, fields: np.ndarray) -> np.ndarray:
     values = fields[grounded, stack.grounds[grounded] * stack.block]
     sizes = np.abs(values)
     fields[grounded] *= np.where(sizes > 0, np.conj(values) / np.where(sizes > 0, sizes, 1), 1)[:, None, :]
-    own: np.ndarray = fields[stack.used]
-    return own
+    return fields[stack.used]

@@ -275,8 +275,7 @@ class _Search:
 
     def _energies(self, fields: np.ndarray) -> np.ndarray:
         """(k, c) energies."""
-        energies: np.ndarray = (np.conj(fields) * (self._stack.matrices @ fields)).real.sum(axis=1)
-        return energies
+        return (np.conj(fields) * (self._stack.matrices @ fields)).real.sum(axis=1)
 
     def _remove_copies(self, fields: np.ndarray) -> np.ndarray:
         """Fields without those that equal a better one up to a turn of the whole; pieces with fewer repeat the last."""
@@ -295,11 +294,9 @@ class _Search:
 
 def _take(fields: np.ndarray, order: np.ndarray) -> np.ndarray:
     """(k, N, m) the columns of (k, m) numbers of each piece."""
-    taken: np.ndarray = np.take_along_axis(fields, order[:, None, :], axis=2)
-    return taken
+    return np.take_along_axis(fields, order[:, None, :], axis=2)
 
 
 def _densities(stack: Stack, values: np.ndarray) -> np.ndarray:
     """(k,) energies per mass, positive; the mean mass is 1, and so is the mean diagonal."""
-    densities: np.ndarray = np.maximum(values * stack.block / np.count_nonzero(stack.used, axis=1), LEAST_DENSITY)
-    return densities
+    return np.maximum(values * stack.block / np.count_nonzero(stack.used, axis=1), LEAST_DENSITY)

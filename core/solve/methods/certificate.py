@@ -154,8 +154,7 @@ class _Space:
         self._reductions, self.filled = reductions, 0
 
     def _apply(self, vector: np.ndarray) -> np.ndarray:
-        image: np.ndarray = self._matrix @ vector + self._masses * vector
-        return image
+        return self._matrix @ vector + self._masses * vector
 
     def add(self, vector: np.ndarray) -> bool:
         """Add the part of a vector orthogonal to the others; False where it is lost in rounding."""
@@ -185,8 +184,7 @@ class _Space:
 
     def residual(self, value: float, direction: np.ndarray) -> np.ndarray:
         """(W - mu A) times a direction."""
-        residual: np.ndarray = times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
-        return residual
+        return times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
 
     def length(self, residual: np.ndarray, solved: np.ndarray) -> float:
         """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""

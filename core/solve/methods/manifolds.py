@@ -123,19 +123,16 @@ class _Fields:
         products = (targets * columns.conj()).sum(axis=0)
         sizes = np.abs(products)
         turns = np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1)
-        aligned: np.ndarray = columns * turns.astype(columns.dtype)
-        return aligned
+        return columns * turns.astype(columns.dtype)
 
     def agreements(self, columns: np.ndarray) -> np.ndarray:
         """(k, k) how far columns agree when they are turned as a whole, at most the number of nodes."""
-        agreements: np.ndarray = np.abs(columns.conj().T @ columns)
-        return agreements
+        return np.abs(columns.conj().T @ columns)
 
     def ground_to_one(self, columns: np.ndarray, ground: int) -> np.ndarray:
         """Columns turned as a whole, so that a node has the phase 1."""
         value = columns[ground * self.block]
-        turned: np.ndarray = columns * np.conj(value / np.abs(value))
-        return turned
+        return columns * np.conj(value / np.abs(value))
 
 
 @dataclass(frozen=True)
@@ -161,8 +158,7 @@ class Circles(_Fields):
         """Half the energy's derivative by the angles."""
         cosine, sine = self._pair(point)
         along, across = self._pair(image)
-        torque: np.ndarray = cosine * across - sine * along
-        return torque
+        return cosine * across - sine * along
 
     def precondition(self, vector: np.ndarray, metric: Preconditioner, _point: np.ndarray) -> np.ndarray:
         """The inverse metric of turns applied to angles."""
@@ -203,8 +199,7 @@ class CirclesByFields(Circles):
         else:
             along = metric.precondition(np.stack([-sine * vector, cosine * vector], axis=1).reshape(point.shape))
         x, y = self._pair(along)
-        angles: np.ndarray = cosine * y - sine * x
-        return angles
+        return cosine * y - sine * x
 
 
 @dataclass(frozen=True)
@@ -283,8 +278,7 @@ class Columns(_Fields):
 
     def _turned(self, columns: np.ndarray, turns: np.ndarray) -> np.ndarray:
         """Frames of each column times its (k, d, d) matrix."""
-        turned: np.ndarray = np.einsum("iabk,kbc->iack", self._vectors(columns), turns).reshape(columns.shape)
-        return turned
+        return np.einsum("iabk,kbc->iack", self._vectors(columns), turns).reshape(columns.shape)
 
 
 Candidates: TypeAlias = Circles | Columns
@@ -315,8 +309,7 @@ def _real_columns(columns: np.ndarray) -> np.ndarray:
 
 def _inverse(lengths: np.ndarray) -> np.ndarray:
     """1 / lengths, an arbitrary number for zero."""
-    inverse: np.ndarray = 1 / np.maximum(lengths, np.finfo(lengths.dtype).tiny)
-    return inverse
+    return 1 / np.maximum(lengths, np.finfo(lengths.dtype).tiny)
 
 
 def _fill_zero_columns(columns: np.ndarray, lengths: np.ndarray, block: int) -> np.ndarray:

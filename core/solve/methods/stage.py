@@ -130,8 +130,7 @@ class Stage:
 
     def prolong(self, fields: np.ndarray) -> np.ndarray:
         """Fields of this stage on the next finer one, not normalized."""
-        finer: np.ndarray = self._hierarchy.levels[self._depth - 1].prolongation @ fields
-        return finer
+        return self._hierarchy.levels[self._depth - 1].prolongation @ fields
 
     def restrict(self, fields: np.ndarray) -> np.ndarray:
         """Fields of the next finer stage on this one: weighted sums, not normalized."""
