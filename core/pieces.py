@@ -135,15 +135,6 @@ class Pieces:
         """Concatenate the masses of the nodes of pieces."""
         return self._masses[self._columns(numbers)[0]]
 
-    def ground_to_one(self, coordinates: np.ndarray) -> np.ndarray:
-        """Turn each piece of (N,) coordinates so that its ground has the phase 1."""
-        held = np.flatnonzero(self.grounds >= 0)
-        values = coordinates[self.grounds[held] * self._block]
-        turns = np.repeat(np.conj(values / np.abs(values)), self.sizes[held] * self._block)
-        turned, rows = coordinates.copy(), self.rows(held)
-        turned[rows] *= turns
-        return turned
-
     def _columns(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Concatenate the columns of pieces; also returns the position in ``numbers`` of each column's piece."""
         owners, places = ragged_arange(self.sizes[numbers])

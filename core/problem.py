@@ -317,10 +317,6 @@ class SynchronizationProblem:
         lengths = np.sqrt((np.abs(sums) ** 2).reshape(len(sums), -1).sum(axis=1)).reshape(-1, *[1] * (sums.ndim - 1))
         return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), fallback).ravel()
 
-    def rows_of(self, nodes: np.ndarray) -> np.ndarray:
-        """Find the (k, block) rows of :meth:`expand`'s coordinates that (k,) nodes follow from."""
-        return self._embedding.columns[nodes][:, None] * self.block + np.arange(self.block)
-
     def unit_coordinates(self) -> np.ndarray:
         """Build (N,) or (N, d) coordinates with the phase 1 at every node."""
         count = self.factor.shape[1] // self.block

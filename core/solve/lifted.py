@@ -1,16 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Near-optimal fields with other defects, from the lifted field of a solution (Sections 4.5 and 4.6).
-
-The projection of the lifted field Y on a direction xi, normalized, is a field of phases (Eq. 29). It has a defect where
-Y is orthogonal to xi: a random direction gives a random configuration, and a direction orthogonal to the values at
-chosen nodes puts defects there.
-"""
+"""Lifted fields of a given rank that minimize the energy (Eq. 24), from the lifted field of a solution."""
 
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..algebra.workers import solving
 from ..errors import SettingError
@@ -28,81 +22,6 @@ TOLERANCE, STEPS = 3e-6, 500
 # Descents of a given rank that are started, in single precision, and how many times larger their tolerance is than that
 # of the best one. A rough field ends there, after an eighth of the time; its energy is up to 1.3 % larger.
 STARTS, EARLY = 4, 1000
-# Projections that are shorter than this share of the lifted vector have no phase.
-TINY = 1e-9
-
-
-class LiftedField:
-    """The lifted field of a solved problem on the circle.
-
-    ``rank`` is the number of components of a direction.
-
-    Raises :class:`SettingError` for a solution without a lifted field.
-    """
-
-    def __init__(self, problem: SynchronizationProblem, solution: Solution) -> None:
-        if solution.lifted is None:
-            raise SettingError("there is no lifted field: solve with the method sdp")
-        self.problem, self.lifted = problem, solution.lifted
-        self.rank: int = self.lifted.shape[1]
-
-    @property
-    def most_defects(self) -> int:
-        """The largest number of nodes that a direction can put defects at."""
-        return (self.rank - 1) // self.problem.block
-
-    @cached_property
-    def _gram(self) -> np.ndarray:
-        gram: np.ndarray = self.lifted.conj().T @ self.lifted
-        return gram
-
-    def random_direction(self, seed: int, nodes: ArrayLike = ()) -> np.ndarray:
-        """(r,) a direction drawn at random, orthogonal to the lifted values at (k,) nodes."""
-        basis = self._orthogonal(nodes)
-        drawn = gaussian((basis.shape[1], 1), self.problem.is_complex, np.random.default_rng(seed))
-        direction: np.ndarray = (basis @ drawn)[:, 0]
-        return direction
-
-    def direction(self, nodes: ArrayLike = ()) -> np.ndarray:
-        """(r,) the direction, orthogonal to the values at (k,) nodes, along which the lifted field is longest.
-
-        Without nodes it is that of SVD rounding.
-
-        Raises :class:`SettingError` for more nodes than :attr:`most_defects`.
-        """
-        basis = self._orthogonal(nodes)
-        _, axes = np.linalg.eigh(basis.conj().T @ self._gram @ basis)
-        direction: np.ndarray = basis @ axes[:, -1]
-        return direction
-
-    def _orthogonal(self, nodes: ArrayLike) -> np.ndarray:
-        """(r, q) orthonormal basis of the directions along which the lifted field vanishes at the nodes."""
-        nodes = np.unique(np.asarray(nodes, int))
-        if len(nodes) == 0:
-            return np.eye(self.rank, dtype=self.lifted.dtype)
-        if len(nodes) > self.most_defects:
-            raise SettingError(
-                f"{len(nodes)} defects are too many: the lifted field has rank {self.rank}, which allows "
-                f"{self.most_defects} at a time"
-            )
-        rows = self.problem.rows_of(nodes)
-        grounds = self.problem.pieces.grounds
-        fixed = np.isin(rows[:, 0], grounds[grounds >= 0] * self.problem.block)
-        if fixed.any():
-            raise SettingError(f"the phase of node {nodes[fixed][0]} is fixed: a defect can only be where it is free")
-        values = self.lifted[rows.ravel()]
-        _, sizes, axes = np.linalg.svd(values)
-        return axes[np.count_nonzero(sizes > TINY) :].conj().T
-
-    def phases(self, direction: np.ndarray) -> np.ndarray:
-        """(n,) complex phases: the projection on a direction, normalized; 1 where it vanishes."""
-        problem = self.problem
-        coordinates = (self.lifted @ direction).reshape(-1, problem.block)
-        lengths = np.sqrt((np.abs(coordinates) ** 2).sum(axis=1, keepdims=True))
-        fallback = problem.unit_coordinates().reshape(coordinates.shape)
-        long = lengths > TINY * np.linalg.norm(direction)
-        coordinates = np.where(long, coordinates / np.where(long, lengths, 1), fallback).ravel()
-        return problem.expand(problem.pieces.ground_to_one(coordinates))
 
 
 def lifted_of_rank(
@@ -127,8 +46,12 @@ def lifted_of_rank(
     options : of that solution; this descent, too, ends when the time limit for both has passed
     callback : see :func:`core.solve.solve`
     start : (N, rank) lifted field of a nearby problem, optional
+
+    Raises :class:`SettingError` for a solution without a lifted field.
     """
-    lifted = LiftedField(problem, solution).lifted
+    if solution.lifted is None:
+        raise SettingError("there is no lifted field: solve with the method sdp")
+    lifted = solution.lifted
     count = 1 if is_rough else STARTS
     starts = _projections(lifted, rank, count, np.random.default_rng(options.seed)) if start is None else [start]
     result = np.array(starts[0])
