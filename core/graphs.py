@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Connected components of a graph, sums by label, ranges of different lengths, and pairs of nearby points."""
+"""Connected components and trees of a graph, look-ups, sums by label, ranges of different lengths, nearby points."""
 
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import cKDTree
 
 
@@ -18,6 +18,40 @@ def components(count: int, pairs: ArrayLike) -> np.ndarray:
     pairs = np.asarray(pairs, int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
     return connected_components(graph, directed=False)[1]
+
+
+def walk_trees(
+    count: int, pairs: np.ndarray, roots: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Walk along shortest paths, breadth first, from a root of each component of ``count`` nodes with (e, 2) edges.
+
+    The roots are the components' first nodes unless given. Returns the (k,) other nodes that are reached in their
+    order, the node before each, and the edge between the two, the first one of several.
+    """
+    if roots is None:
+        roots = np.unique(components(count, pairs), return_index=True)[1]
+    starts = np.column_stack([np.full(len(roots), count), roots])  # from an added node to all roots
+    tails, heads = np.concatenate([pairs, starts]).T
+    graph = coo_matrix((np.ones(len(tails)), (tails, heads)), shape=(count + 1, count + 1)).tocsr()
+    nodes, before = breadth_first_order(graph, count, directed=False)
+    nodes = nodes[before[nodes] < count][1:].astype(int)
+    before = before[nodes].astype(int)
+    return nodes, before, find(pair_keys(pairs, count), pair_keys(np.column_stack([before, nodes]), count))
+
+
+def pair_keys(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Number (..., 2) pairs of ``count`` nodes, the same whichever way they run."""
+    first, second = pairs[..., 0], pairs[..., 1]
+    return np.minimum(first, second) * count + np.maximum(first, second)
+
+
+def find(keys: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Find the first place of each asked integer, of any shape, among (k,) keys, -1 where it is not there."""
+    if len(keys) == 0:
+        return np.full(asked.shape, -1)
+    order = np.argsort(keys, kind="stable")
+    found = order[np.minimum(np.searchsorted(keys, asked, sorter=order), len(order) - 1)]
+    return np.where(keys[found] == asked, found, -1)
 
 
 def take_loops(following: dict[int, int]) -> Iterator[list[int]]:

@@ -2,11 +2,9 @@
 """Consistent orientation of faces, as far as the surface is two-sided."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from ..gauge import balance
-from ..graphs import components
+from ..graphs import components, walk_trees
 from .triangle_mesh import TriangleMesh
 
 
@@ -33,7 +31,8 @@ def orient_faces(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tu
     turned, balanced = balance(count, pairs, clash)
     pieces = components(count, pairs)
     if not balanced.all():
-        tree = _spanning_pairs(count, pairs, ~balanced)
+        kept = np.flatnonzero(~balanced[pairs[:, 0]])
+        tree = kept[walk_trees(count, pairs[kept])[2]]
         along_tree = balance(count, pairs[tree], clash[tree])[0]
         lengths = mesh.edge_lengths[mesh.triangle_edges.ravel()[joins[:, 0]]]
         longer = lengths * clash - lengths * _find_clashes(clash, along_tree, pairs)
@@ -48,19 +47,3 @@ def orient_faces(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tu
 def _find_clashes(clash: np.ndarray, turned: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Find the joins across which orientations disagree after faces are turned over, (j,) bool."""
     return clash ^ turned[pairs[:, 0]] ^ turned[pairs[:, 1]]
-
-
-def _spanning_pairs(count: int, pairs: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Select the pairs of spanning trees of the chosen nodes, which are whole components."""
-    first = np.unique(components(count, pairs)[chosen], return_index=True)[1]
-    roots = np.flatnonzero(chosen)[first]
-    kept = np.flatnonzero(chosen[pairs[:, 0]])
-    rows = np.concatenate([pairs[kept, 0], np.full(len(roots), count)])
-    columns = np.concatenate([pairs[kept, 1], roots])
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(count + 1,) * 2).tocsr()
-    before = breadth_first_order(graph, count, directed=False)[1]
-    low, high = np.sort(pairs[kept], axis=1).T
-    reached = np.flatnonzero((before >= 0) & (before < count))
-    asked = np.minimum(reached, before[reached]) * count + np.maximum(reached, before[reached])
-    known, where = np.unique(low * count + high, return_index=True)
-    return kept[where[np.searchsorted(known, asked)]]

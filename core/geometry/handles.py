@@ -2,10 +2,9 @@
 """Handles of a solid: changes along its edges that sum to 0 around triangles but are not differences of a function."""
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.csgraph import breadth_first_tree
+from scipy.sparse import csr_matrix
 
-from ..graphs import components, ragged_arange
+from ..graphs import components, ragged_arange, walk_trees
 from .tet_mesh import TetMesh
 
 # Combinations of changes vanish if their squares are below this share of the largest.
@@ -62,13 +61,6 @@ def _tree_edges(mesh: TetMesh, resting: np.ndarray) -> np.ndarray:
     names = components(count, mesh.edges[resting])
     ends = np.sort(names[mesh.edges], axis=1)
     proper = np.flatnonzero(ends[:, 0] != ends[:, 1])
-    # One edge between each two, with its number plus one as the weight; one walk from an added node to all pieces.
-    pairs, first = np.unique(ends[proper], axis=0, return_index=True)
-    _, firsts = np.unique(components(count, pairs), return_index=True)
-    tails, heads = np.append(pairs[:, 0], np.full(len(firsts), count)), np.append(pairs[:, 1], firsts)
-    weights = np.append(proper[first] + 1, np.full(len(firsts), len(ends) + 1))
-    graph = coo_matrix((weights, (tails, heads)), shape=(count + 1, count + 1)).tocsr()
-    chosen = breadth_first_tree(graph, count, directed=False).data.astype(int) - 1
     result = np.zeros(len(ends), bool)
-    result[chosen[chosen < len(ends)]] = True
+    result[proper[walk_trees(count, ends[proper])[2]]] = True
     return result

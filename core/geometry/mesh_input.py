@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import MeshError
+from ..graphs import pair_keys
 from ..unit_vectors import unit_vectors
 from . import TriangleMesh
 from .check import check_mesh, coarse_places
@@ -96,8 +97,7 @@ class MeshInput:
         """Find the edges of the uncut surface that (k, 2) edges of the object became, none or several each."""
         count = self.vertex_count
         pairs = pairs if self.own is None else self.own[pairs]
-        known, asked = (np.sort(ends, axis=1) for ends in (self.source[self.uncut.edges], pairs))
-        return np.flatnonzero(np.isin(known[:, 0] * count + known[:, 1], asked[:, 0] * count + asked[:, 1]))
+        return np.flatnonzero(np.isin(pair_keys(self.source[self.uncut.edges], count), pair_keys(pairs, count)))
 
     def to_object(self, vectors: np.ndarray) -> np.ndarray:
         """Transform (n, 3) vectors of the mesh to unit vectors in object space at the object's vertices."""

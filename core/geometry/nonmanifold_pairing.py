@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..graphs import components, ragged_arange
+from ..graphs import components, pair_keys, ragged_arange
 from ..unit_vectors import unit_vectors
 from .triangle_mesh import TriangleMesh
 from .vertex_splitting import corner_links, next_half_edges
@@ -73,8 +73,8 @@ def _list_candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) 
     costs = np.einsum("cx,cx->c", away[first], away[second])
     costs += np.where(agrees, _CONCAVE * np.einsum("cx,cx->c", normals[first], away[second]), 0)
     lengths = mesh.edge_lengths[edges[first]]
-    low, high = np.minimum(pages[first], pages[second]), np.maximum(pages[first], pages[second])
-    _, kinds = np.unique(low * len(halves) + high, return_inverse=True)
+    keys = pair_keys(np.column_stack([pages[first], pages[second]]), len(halves))
+    _, kinds = np.unique(keys, return_inverse=True)
     means = np.bincount(kinds, lengths * costs) / np.maximum(np.bincount(kinds, lengths), np.finfo(float).tiny)
     return np.column_stack([first, second]), means[kinds]
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError, name_elements
-from ..graphs import components
+from ..graphs import components, pair_keys
 from .triangle_mesh import TriangleMesh, rows_of
 from .vertex_splitting import split_pinched_vertices
 
@@ -58,8 +58,7 @@ class TetMesh:
     @cached_property
     def _edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(e, 2) vertices of the edges, and (m, 6) edge of each pair of corners of a tetrahedron."""
-        tails, heads = np.moveaxis(self.tets[:, TET_EDGES], -1, 0)
-        keys = np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads)
+        keys = pair_keys(self.tets[:, TET_EDGES], self.vertex_count)
         keys, inverse = np.unique(keys.ravel(), return_inverse=True)
         return np.column_stack(np.divmod(keys, max(self.vertex_count, 1))), inverse.reshape(-1, 6)
 

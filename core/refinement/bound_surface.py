@@ -12,7 +12,7 @@ from ..geometry.mesh_input import ObjectMesh
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import boundary_splits, find_slivers, welded_vertices
-from ..graphs import ragged_arange
+from ..graphs import find, pair_keys, ragged_arange
 from .division import Division, divide, split_at, whole_division
 from .mirroring import Reflection, add_reflection, cut_at_plane, snap_to_planes
 
@@ -154,15 +154,8 @@ def _find_usable(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 def _label_sides(edges: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
     """Find the (t, 3) edge from corner k to corner k + 1 of each triangle, -1 for diagonals of faces."""
-    ends = np.sort(edges, axis=1)
-    keys = ends[:, 0] * count + ends[:, 1]
-    order = np.argsort(keys)
-    ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
-    asked = ends[:, :, 0] * count + ends[:, :, 1]
-    if len(edges) == 0:
-        return np.full(asked.shape, -1)
-    found = order[np.minimum(np.searchsorted(keys[order], asked), len(order) - 1)]
-    return np.where(keys[found] == asked, found, -1)
+    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)
+    return find(pair_keys(edges, count), pair_keys(sides, count))
 
 
 def _divide(whole: Division, longest: float, copies: int = 1) -> Division:

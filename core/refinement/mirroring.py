@@ -10,6 +10,7 @@ import numpy as np
 from ..geometry.mirror import mirrored_corners
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
+from ..graphs import find, pair_keys
 from .division import TRIANGLE_EDGES, Division, Faces, join_faces
 
 
@@ -26,16 +27,8 @@ class Reflection:
     def of(cls, mesh: TriangleMesh, polygons: Polygons, edges: np.ndarray, axis: int) -> Self:
         """Match a mesh, its polygons and (e, 2) edges with their mirror images; errors as :func:`mirrored_corners`."""
         vertices, corners = mirrored_corners(mesh, polygons, axis)
-        keys = _keys(edges, len(vertices))
-        order = np.argsort(keys)
-        asked = _keys(vertices[edges], len(vertices))
-        found = order[np.minimum(np.searchsorted(keys[order], asked), len(order) - 1)] if len(order) else order
-        return cls(axis, vertices, corners, np.where(keys[found] == asked, found, -1))
-
-
-def _keys(edges: np.ndarray, count: int) -> np.ndarray:
-    low, high = np.sort(edges, axis=1).T
-    return low * count + high
+        images = find(pair_keys(edges, len(vertices)), pair_keys(vertices[edges], len(vertices)))
+        return cls(axis, vertices, corners, images)
 
 
 def snap_to_planes(division: Division, reflections: Sequence[Reflection]) -> Division:

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+from ...core.graphs import find, pair_keys
 from ...core.unit_vectors import unit_vectors
 from . import attributes, groups, schema
 from .new_geometry import new_mesh
@@ -96,11 +97,8 @@ def _mean(values, parents, weights, name):
 
 def _edge_numbers(made, pairs):
     """(e,) edges of a mesh by (e, 2) their vertices."""
-    count, ends = len(made.data.vertices), attributes.read_all(made.data.edges, "vertices", 2)
-    known, asked = (np.sort(ends, axis=1).astype(np.int64) for ends in (ends, pairs))
-    known, asked = known @ [count, 1], asked @ [count, 1]
-    order = np.argsort(known)
-    return order[np.searchsorted(known[order], asked)]
+    count, ends = len(made.data.vertices), attributes.read_all(made.data.edges, "vertices", 2).astype(np.int64)
+    return find(pair_keys(ends, count), pair_keys(pairs, count))
 
 
 def _at_edges(values, edges, count):

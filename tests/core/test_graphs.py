@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Components and ragged counting, against loops over the elements."""
+"""Components, trees, look-ups and ragged counting, against loops over the elements."""
 
 import numpy as np
 import pytest
 
-from synch_fields.core.graphs import components, ragged_arange
+from synch_fields.core.graphs import components, find, pair_keys, ragged_arange, walk_trees
 
 
 def labels_by_walking(count, pairs):
@@ -37,6 +37,39 @@ def test_components_are_those_of_a_walk_and_numbered_by_their_first_nodes(seed, 
 def test_no_nodes_have_no_components():
     assert components(0, np.empty((0, 2), int)).tolist() == []
     assert components(3, []).tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("pair_count", [0, 5, 20, 60])
+def test_trees_are_walked_from_roots_along_shortest_paths(seed, pair_count):
+    random = np.random.default_rng(seed)
+    pairs = random.integers(0, 40, (pair_count, 2))
+    labels = components(40, pairs)
+    roots = np.array([random.permutation(np.flatnonzero(labels == label))[0] for label in range(labels.max() + 1)])
+    steps = {root: 0 for root in roots.tolist()}
+    for length in range(40):
+        for i, j in np.concatenate([pairs, pairs[:, ::-1]]).tolist():
+            if steps.get(i) == length:
+                steps.setdefault(j, length + 1)
+    nodes, before, links = walk_trees(40, pairs, roots)
+    assert sorted([*roots.tolist(), *nodes.tolist()]) == list(range(40))
+    assert [steps[node] for node in nodes.tolist()] == sorted(steps[node] + 1 for node in before.tolist())
+    either_way = [sorted(pair) for pair in pairs.tolist()]
+    walked = np.column_stack([nodes, before]).tolist()
+    assert links.tolist() == [either_way.index(sorted(step)) for step in walked]
+    # Without roots, from the first node of each component.
+    firsts = [labels.tolist().index(label) for label in range(labels.max() + 1)]
+    for own, given in zip(walk_trees(40, pairs), walk_trees(40, pairs, np.array(firsts)), strict=True):
+        np.testing.assert_array_equal(own, given)
+
+
+def test_pairs_are_found_whichever_way_they_run():
+    random = np.random.default_rng(3)
+    known, asked = random.integers(0, 7, (20, 2)), random.integers(0, 7, (30, 3, 2))
+    either_way = [sorted(pair) for pair in known.tolist()]
+    expected = [either_way.index(pair) if pair in either_way else -1 for pair in np.sort(asked).reshape(-1, 2).tolist()]
+    assert find(pair_keys(known, 7), pair_keys(asked, 7)).tolist() == np.reshape(expected, (30, 3)).tolist()
+    assert -1 in expected and find(np.empty(0, int), np.arange(4)).tolist() == [-1] * 4
 
 
 @pytest.mark.parametrize("counts", [[3, 0, 2, 1], [0, 0], [], [4], *np.random.default_rng(1).integers(0, 4, (5, 9))])

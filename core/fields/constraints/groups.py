@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import breadth_first_order
 
 from ...connection import circle_transports
 from ...errors import ContradictionError
 from ...geometry.triangle_mesh import TriangleMesh
-from ...graphs import components, sum_by
+from ...graphs import components, sum_by, walk_trees
 from ...problem import Merged, Targets
 
 # Unit values that differ by more contradict each other; positions in single precision change angles by less.
@@ -150,21 +148,17 @@ def _agree_leads(links: Links, lead: np.ndarray, known: np.ndarray, at_lead: np.
 
 def walk_from_leads(count: int, links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(n,) the first node of each node's group, and angle and flip of the walk from there, whole turns included."""
-    labels = components(count, np.column_stack([links.i, links.j]))
+    pairs = np.column_stack([links.i, links.j])
+    labels = components(count, pairs)
     lead = np.unique(labels, return_index=True)[1][labels]
     step = {}
     for i, j, angle, flip in zip(*(a.tolist() for a in (links.i, links.j, links.angles, links.flips)), strict=True):
         step[i, j] = angle, flip
         step[j, i] = (angle if flip else -angle), flip
-    # One search from an extra node linked to all leads reaches every node after its predecessor.
-    leads = np.unique(lead[links.i])
-    i, j = np.append(links.i, np.full(len(leads), count)), np.append(links.j, leads)
-    graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(count + 1, count + 1)).tocsr()
-    order, before = breadth_first_order(graph, count, directed=False)
+    nodes, before, _ = walk_trees(count, pairs)
     angles, flips = np.zeros(count), np.zeros(count, bool)
-    for node, last in zip(order[1:].tolist(), before[order[1:]].tolist(), strict=True):
-        if last < count:
-            angle, flip = step[last, node]
-            angles[node] = angle + (-angles[last] if flip else angles[last])
-            flips[node] = flips[last] ^ flip
+    for node, last in zip(nodes.tolist(), before.tolist(), strict=True):
+        angle, flip = step[last, node]
+        angles[node] = angle + (-angles[last] if flip else angles[last])
+        flips[node] = flips[last] ^ flip
     return lead, angles, flips

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import MeshError, SettingError
+from ...graphs import find, pair_keys
 from ..tet_mesh import TET_EDGES, TetMesh
 from ..vertex_splitting import merge_corners
 from .lattice import Lattice, build_lattice
@@ -217,11 +218,7 @@ def _build_tets(lattice: Lattice, sides: np.ndarray, edges: np.ndarray) -> np.nd
 def _number_cuts(lattice: Lattice, tets: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Number the cut points on the edges of tetrahedra, (m, 6); arbitrary for edges that are not cut."""
     count = lattice.vertex_count
-    keys = edges.min(axis=1) * count + edges.max(axis=1)
-    order = np.argsort(keys)
-    ends = tets[:, TET_EDGES]
-    found = np.searchsorted(keys, ends.min(axis=2) * count + ends.max(axis=2), sorter=order)
-    return count + order[np.minimum(found, len(order) - 1)]
+    return count + find(pair_keys(edges, count), pair_keys(tets[:, TET_EDGES], count))
 
 
 def _orient(tets: np.ndarray, are_positive: np.ndarray) -> np.ndarray:
