@@ -13,7 +13,6 @@ more on finer meshes, and the setup 2 to 3 times as long (figures in bench/READM
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
@@ -22,7 +21,7 @@ from scipy.sparse.linalg import SuperLU
 from .blocks import block_diagonal
 from .coarsening import aggregates, hubs, truncated
 from .factorization import factorize, has_positive_pivots
-from .products import SharedRows
+from .products import Matrix, SharedRows
 from .reductions import HERE, Reductions
 
 # Share of the stiffness below which a shift is lost in single precision.
@@ -209,12 +208,6 @@ def definite_metric(hierarchy: Hierarchy, shift: float, depth: int = 0) -> "Metr
     """Build the metric of a shift, or of the first of 10, 100 ... times the shift that is definite after rounding."""
     metric = Metric(hierarchy, shift, depth)
     return metric if metric.is_definite else definite_metric(hierarchy, 10 * shift, depth)
-
-
-class Matrix(Protocol):
-    """A matrix that multiplies columns."""
-
-    def __matmul__(self, columns: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 
 from functools import cached_property
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -11,6 +12,16 @@ from . import workers
 
 # Multiplications (stored entries times columns) below which a thread costs more than it saves.
 WORTH_SHARING = 1_000_000
+
+
+class Matrix(Protocol):
+    """A matrix that multiplies columns."""
+
+    dtype: np.dtype
+
+    def diagonal(self) -> np.ndarray: ...
+
+    def __matmul__(self, columns: np.ndarray) -> np.ndarray: ...
 
 
 class SharedRows:

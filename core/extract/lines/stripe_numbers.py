@@ -22,6 +22,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 from scipy.spatial import cKDTree
 
 from ...geometry.polygons import Polygons
+from ...graphs import find
 from ...interpolate import TURN, FacePhases, evaluate
 from .isolines import Isolines
 
@@ -155,9 +156,8 @@ def _longest_line(phase: FacePhases, polygons: Polygons, lines: Isolines) -> np.
     known, asked = (np.sort(t, axis=1) for t in (polygons.triangles, lines.mesh.triangles[lines.triangles]))
     shape = (lines.mesh.vertex_count,) * 3
     keys, asked = (np.ravel_multi_index(tuple(corners.T), shape) for corners in (known, asked))
-    order = np.argsort(keys)
-    at = order[np.minimum(np.searchsorted(keys, asked, sorter=order), len(keys) - 1)]
-    same = keys[at] == asked  # false where a face has been split meanwhile
+    at = find(keys, asked)
+    same = at >= 0  # false where a face has been split meanwhile
     triangles = at[same]
     corners = lines.mesh.triangles[lines.triangles[same]]
     match = polygons.triangles[triangles][:, :, None] == corners[:, None, :]

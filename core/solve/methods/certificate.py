@@ -19,12 +19,12 @@ from scipy.linalg import eigh
 from ...algebra.blocks import block_diagonal, on_rows, times, traces, with_diagonal
 from ...algebra.factorization import front_width, is_positive_definite
 from ...algebra.metric import Metric
+from ...algebra.products import Matrix
 from ...algebra.reductions import Reductions
 from ...errors import SynchError
 from ...memory import room
 from ...monitor import Monitor
 from ...piece import Piece
-from .descent import Matrix
 from .memory_estimate import proof_bytes
 from .stage import Workspace
 

@@ -6,10 +6,11 @@ vectors are carried to the new point as they are; the last projection makes them
 """
 
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from ...algebra.products import Matrix
 from ...algebra.reductions import HERE, Reductions
 from ...monitor import Monitor, OutOfTime
 from .manifolds import Manifold, Preconditioner
@@ -20,16 +21,6 @@ FLATTEST = 1e-6
 LONGEST_BACKTRACK = 12
 # Of each step: the move, the change of the gradient along it, and the inverse of their inner product.
 Memory: TypeAlias = list[tuple[np.ndarray, np.ndarray, np.ndarray]]
-
-
-class Matrix(Protocol):
-    """A square matrix that multiplies columns."""
-
-    dtype: np.dtype
-
-    def diagonal(self) -> np.ndarray: ...
-
-    def __matmul__(self, columns: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,13 @@ from typing import TypeAlias
 import numpy as np
 
 from ...algebra.metric import Metric
+from ...algebra.products import Matrix
 from ...memory import room
 from ...monitor import Monitor, OutOfTime, Running
 from ...piece import Piece
 from ...solution import Certificate, Clock, Options
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
-from .descent import Descent, Matrix, Memory, descend, rounding_noise
+from .descent import Descent, Memory, descend, rounding_noise
 from .initial_field import coarse_field
 from .manifolds import principal
 from .memory_estimate import proof_bytes, search_bytes
