@@ -153,14 +153,17 @@ def _corner_vertices(quads: QuadMesh, features: FeatureLines, side: float, on_ri
 def _prefer_neighbours(
     quads: QuadMesh, features: FeatureLines, side: float, at_corner: dict[int, int]
 ) -> dict[int, int]:
-    """The vertices at corners, replaced by a neighbour that already lies at the corner: the edge would degenerate."""
+    """The vertices at corners, replaced by a neighbour that lies there already, unless they do, too.
+
+    Else the edge between them would lose its length.
+    """
     corner_of = np.full(len(quads.vertices), -1)
     corner_of[list(at_corner.values())] = list(at_corner)
     ends = quads.edges[0]
     ends = np.concatenate([ends, ends[:, ::-1]])
     ends = ends[(corner_of[ends[:, 0]] >= 0) & (corner_of[ends[:, 1]] < 0)]
-    apart = quads.vertices[ends[:, 1]] - features.mesh.vertices[corner_of[ends[:, 0]]]
-    stands = np.linalg.norm(apart, axis=1) < SHORTEST * side
+    apart = quads.vertices[ends] - features.mesh.vertices[corner_of[ends[:, 0]], None]
+    stands = ((np.linalg.norm(apart, axis=2) < SHORTEST * side) == [False, True]).all(axis=1)
     return at_corner | dict(zip(corner_of[ends[stands, 0]].tolist(), ends[stands, 1].tolist(), strict=True))
 
 
@@ -236,10 +239,14 @@ def _chain(
 
 
 def _spread_evenly(ways: np.ndarray, span: float, steps: np.ndarray) -> np.ndarray:
-    """Positions between 0 and a span, replaced by the sums of the steps if they are not in order or too close."""
+    """Positions between 0 and a span, replaced by the sums of the steps if they are not in order or too close.
+
+    Steps that are much smaller than their mean are enlarged.
+    """
     gaps = np.diff(np.concatenate([[0], ways, [span]]))
     if (gaps > SMALLEST_GAP * span / len(gaps)).all():
         return ways
+    steps = np.maximum(steps, SMALLEST_GAP * steps.mean())
     return span * np.cumsum(steps)[:-1] / steps.sum()
 
 
@@ -319,6 +326,7 @@ def _parts(
     at_ends = [] if features.closed[number] else [at_corner.get(int(corner), -1) for corner in line[[0, -1]]]
     for vertex, way in zip(at_ends, (0.0, length), strict=False):
         if vertex >= 0:
+            apart[np.abs(ways - way) < SMALLEST_GAP * side] = np.inf
             ways[vertex], apart[vertex] = way, 0.0
     edges = edges[(apart[edges] < PART_REACH * side).all(axis=1)]
     steps = np.linalg.norm(np.diff(quads.vertices[edges], axis=1)[:, 0], axis=1)

@@ -110,6 +110,17 @@ def test_a_chain_goes_along_a_line_whose_ends_are_near_each_other(left_out):
     assert set(np.flatnonzero((chains.lines == 0) | chains.fixed)) == set(ring.ravel())
 
 
+def test_vertices_at_the_end_of_a_line_are_moved_apart():
+    """One stands at the corner, and the next one nearly so."""
+    quads, features, ring = ring_on_cylinder(4)
+    places = quads.vertices.copy()
+    places[ring[0, 1]] = places[ring[0, 0]] + 1e-7 * (places[ring[0, 1]] - places[ring[0, 0]])
+    found, chains = follow_features(replace(quads, vertices=places), features)
+    assert len(chains.lost) == 0
+    lengths = np.linalg.norm(np.diff(found.vertices[ring], axis=1)[:, 0], axis=1)
+    assert lengths.min() > 0.2 * lengths.mean()
+
+
 def test_a_face_that_a_line_crosses_is_cut_along_it():
     """Two quads that have become one hexagon: the edge between them is made again."""
     quads, features, ring = ring_on_cylinder()
