@@ -20,7 +20,7 @@ from ..interpolate import EdgePhases, FacePhases, face_phases
 from ..monitor import Callback
 from ..problem import SynchronizationProblem, join_targets
 from ..refinement.spacing import check_spacing
-from ..solution import COARSE, FIRST
+from ..solution import FIRST
 from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
 from .animation import next_solution
@@ -256,17 +256,15 @@ def change_pattern(
 
 
 def untangle(pattern: Pattern, options: Options) -> Pattern:
-    """A pattern with a branching of 0, solved again from phases in which its dislocations are taken out.
+    """A pattern with a branching of 0, solved again for changes from which its dislocations are taken out.
 
-    The changes that it reached, without what dislocations add to them around triangles, are nearly those of phases.
+    Asked for are the changes that it reached, without what dislocations add to them around triangles: these are nearly
+    those of phases. The energy is that of these changes.
     """
     one_form, problem = pattern.one_form, pattern.problem
     reached = one_form.reaching(pattern.edge_phases.changes)
-    calm = reached.changes + reached.curl_removal(problem.fixed, problem.merged)
-    near = problem.turned_by(one_form.connection_turns(calm - one_form.changes))
-    start = solve(near, replace(options, method=FIRST)).phases
-    solution = solve(problem, replace(options, method=COARSE), None, start)
-    return _pattern_of(one_form, problem, solution, pattern.on_planes)
+    correction = reached.changes - one_form.changes + reached.curl_removal(problem.fixed, problem.merged)
+    return change_pattern(pattern, correction, replace(options, method=FIRST))
 
 
 def _pattern_of(

@@ -38,10 +38,6 @@ class Draft:
             return len(self.request.trace(pattern)[0].sizes)
         return pattern.one_form.reaching(pattern.edge_phases.changes).quad_count
 
-    @cached_property
-    def dislocations(self) -> int:
-        return len(self.result.pattern.dislocations)
-
     def misses(self, wanted: float) -> float:
         """Relative error of the number of faces."""
         return abs(self.face_count / wanted - 1)
@@ -55,15 +51,19 @@ def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callba
 
 def settle(draft: Draft) -> Draft:
     """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
+    request, given = draft.request, draft.result.pattern
+    pattern = given
     for _ in range(CORRECTIONS):
-        if draft.request.options.method != FIRST or not draft.dislocations:
+        if request.options.method != FIRST or not pattern.dislocations:
             break
-        pattern = untangle(draft.result.pattern, draft.request.options)
-        corrected = replace(draft, result=replace(draft.result, pattern=pattern))
-        if corrected.dislocations >= draft.dislocations:
+        corrected = untangle(pattern, request.options)
+        if len(corrected.dislocations) >= len(pattern.dislocations):
             break
-        draft = corrected
-    return draft
+        pattern = corrected
+    if pattern is given:
+        return draft
+    solution = replace(pattern.solution, energy=given.problem.energy(pattern.phases))
+    return Draft(request, replace(draft.result, pattern=replace(pattern, solution=solution)))
 
 
 def _close(draft: Draft, progress: Callback | None) -> Draft:

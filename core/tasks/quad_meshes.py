@@ -69,7 +69,7 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
 
 @dataclass(frozen=True)
 class _LostLines:
-    """(k,) lengths of the boundaries and sharp edges that a quad mesh does not follow, and (l,) of all of them.
+    """(k,) lengths that a quad mesh does not follow, each of a boundary or sharp edge, and (l,) lengths of all of them.
 
     ``side``: the length of a quad's side.
     """
@@ -80,7 +80,7 @@ class _LostLines:
 
     @property
     def share(self) -> float:
-        """Share of the length that is lost with lines that are longer than :data:`SHORT` sides."""
+        """Share of the length that is lost in lengths of more than :data:`SHORT` sides."""
         lost = self.lengths[self.lengths > SHORT * self.side].sum()
         return float(lost / self.all_lengths.sum()) if lost > 0 else 0.0
 
@@ -348,8 +348,8 @@ def _faults(request: "SurfaceRequest", quads: QuadMesh, lost: _LostLines) -> Ite
         )
     if len(lost.lengths):
         yield (
-            f"{len(lost.lengths)} of {len(lost.all_lengths)} lines of the boundary and of sharp edges are lost, "
-            f"{lost.lengths.sum():.3g} of {lost.all_lengths.sum():.3g} in length: {REMEDY}"
+            f"{len(lost.lengths)} of {len(lost.all_lengths)} lines of the boundary and of sharp edges are lost as a "
+            f"whole or in part, {lost.lengths.sum():.3g} of {lost.all_lengths.sum():.3g} in length: {REMEDY}"
         )
     for axis, normal in zip(request.settings.mirror, request.mirror_planes, strict=True):
         alone = without_image(quads, normal)

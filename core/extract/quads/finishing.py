@@ -82,14 +82,15 @@ def finish_quads(
 def lost_lines(
     quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], followed: ArrayLike = ()
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) lengths of the boundaries and sharp edges that the quad mesh's edges do not follow, and (l,) of all of them.
+    """(k,) lengths that the quad mesh's edges do not follow, of boundaries and sharp edges that they do not follow as a
+    whole, and (l,) lengths of all of them.
 
     Lines are counted from corner to corner, without edges that are ``followed``; arguments as of :func:`finish_quads`.
     """
     features = _feature_lines(mesh, rows, followed)
     if features is None:
         return np.empty(0), np.empty(0)
-    return features.lengths[list(follow_features(quads, features)[1].missed)], features.lengths
+    return follow_features(quads, features)[1].lost, features.lengths
 
 
 def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike = ()) -> FeatureLines | None:

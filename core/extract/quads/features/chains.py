@@ -3,9 +3,11 @@
 
 Where a grid line was held on a line, its vertices lie there already. At corners, which phases cannot follow exactly,
 the nearest vertex with a suitable number of edges is used. Where the next vertex of a line lies across a face, the face
-can be cut in two. A line that no chain follows is left alone.
+can be cut in two. Of a line that no chain follows from end to end, because a corner has no vertex or lines are crowded,
+those parts are followed on which edges lie.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +29,8 @@ VALENCE_COST = 0.35
 DISTANCE_COST = 50.0
 # Cost of cutting a face in two, in sides.
 CUTTING = 3.0
+# Largest distance, in sides, of the edges of a part from the line.
+PART_REACH = 0.25
 # Chains longer or shorter than the line by more than this factor are rejected.
 LENGTH_RATIO = 2.0
 # Vertices of a chain nearer to each other than this part of their mean distance are spread evenly.
@@ -41,13 +45,19 @@ class Chains:
     ----------
     lines : (n,) line on which each vertex slides, -1 for none
     fixed : (n,) bool, vertices on corners
-    missed : numbers of the lines that no chain follows
+    followed : (l,) length of each line that chains follow
     """
 
     features: FeatureLines
     lines: np.ndarray
     fixed: np.ndarray
-    missed: tuple[int, ...]
+    followed: np.ndarray
+
+    @property
+    def lost(self) -> np.ndarray:
+        """(k,) lengths that are not followed, of the lines that are not followed as a whole."""
+        lost = self.features.lengths - self.followed
+        return lost[lost > 0]
 
     def of_vertices(self, which: np.ndarray) -> "Chains":
         """The chains of a quad mesh with (k,) of the vertices."""
@@ -78,7 +88,7 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
     at = np.array(list(at_corner.values()), int)
     quads = move_vertices(quads, at, features.mesh.vertices[corners], *vertex_places(features.mesh, corners))
     tree, pieces = cKDTree(quads.vertices), _pieces(quads, features.mesh)
-    missed, diagonals = [], _diagonals(quads) if cut else edges[:0]
+    followed, diagonals = features.lengths.copy(), _diagonals(quads) if cut else edges[:0]
     for number in np.argsort(~features.on_boundary, kind="stable").tolist():
         usable = edges[(counts == 1) == features.on_boundary[number]]
         made = diagonals[: 0 if features.on_boundary[number] else None]
@@ -90,7 +100,11 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
         chain = _chain(quads, features, number, side, (usable, made), at_corner, near, on_rim)
         with_cuts = None if chain is None else _cut_faces(quads, chain[2])
         if chain is None or with_cuts is None:
-            missed.append(number)
+            followed[number] = 0
+            for vertices, ways, length in _parts(quads, features, number, side, usable, at_corner, near):
+                lines[vertices], taken[vertices] = number, True
+                quads = move_vertices(quads, vertices, *features.at(number, ways))
+                followed[number] += length
             continue
         vertices, ways, cuts = chain
         lines[vertices], taken[vertices] = number, True
@@ -99,7 +113,7 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
             edges, counts = quads.edges
             diagonals = _diagonals(quads)
         quads = move_vertices(quads, vertices, *features.at(number, ways))
-    return quads, Chains(features, lines, fixed, tuple(missed))
+    return quads, Chains(features, lines, fixed, followed)
 
 
 def move_vertices(
@@ -139,14 +153,17 @@ def _corner_vertices(quads: QuadMesh, features: FeatureLines, side: float, on_ri
 def _prefer_neighbours(
     quads: QuadMesh, features: FeatureLines, side: float, at_corner: dict[int, int]
 ) -> dict[int, int]:
-    """The vertices at corners, replaced by a neighbour that already lies at the corner: the edge would degenerate."""
+    """The vertices at corners, replaced by a neighbour that lies there already, unless they do, too.
+
+    Else the edge between them would lose its length.
+    """
     corner_of = np.full(len(quads.vertices), -1)
     corner_of[list(at_corner.values())] = list(at_corner)
     ends = quads.edges[0]
     ends = np.concatenate([ends, ends[:, ::-1]])
     ends = ends[(corner_of[ends[:, 0]] >= 0) & (corner_of[ends[:, 1]] < 0)]
-    apart = quads.vertices[ends[:, 1]] - features.mesh.vertices[corner_of[ends[:, 0]]]
-    stands = np.linalg.norm(apart, axis=1) < SHORTEST * side
+    apart = quads.vertices[ends] - features.mesh.vertices[corner_of[ends[:, 0]], None]
+    stands = ((np.linalg.norm(apart, axis=2) < SHORTEST * side) == [False, True]).all(axis=1)
     return at_corner | dict(zip(corner_of[ends[stands, 0]].tolist(), ends[stands, 1].tolist(), strict=True))
 
 
@@ -222,10 +239,14 @@ def _chain(
 
 
 def _spread_evenly(ways: np.ndarray, span: float, steps: np.ndarray) -> np.ndarray:
-    """Positions between 0 and a span, replaced by the sums of the steps if they are not in order or too close."""
+    """Positions between 0 and a span, replaced by the sums of the steps if they are not in order or too close.
+
+    Steps that are much smaller than their mean are enlarged.
+    """
     gaps = np.diff(np.concatenate([[0], ways, [span]]))
     if (gaps > SMALLEST_GAP * span / len(gaps)).all():
         return ways
+    steps = np.maximum(steps, SMALLEST_GAP * steps.mean())
     return span * np.cumsum(steps)[:-1] / steps.sum()
 
 
@@ -271,14 +292,62 @@ def _path(
     nodes, ends_of = np.unique(np.append(passages[taken], [count, count + 1]), return_inverse=True)
     graph = coo_matrix((lengths[taken], ends_of[:-2].reshape(-1, 2).T), shape=(len(nodes), len(nodes)))
     _, before = dijkstra(graph, directed=False, indices=len(nodes) - 2, return_predecessors=True)
-    way = [len(nodes) - 1]
-    while way[-1] != len(nodes) - 2:
-        if before[way[-1]] < 0:
-            return None
-        way.append(before[way[-1]])
-    path = names[nodes[way[::-1]]]
+    path = names[nodes[_way_to(len(nodes) - 1, before)]]
+    if path[0] != names[count]:
+        return None
     steps = np.sort(np.column_stack([path[:-1], path[1:]]), axis=1)
     return path, steps[np.isin(steps @ [count, 1], edges[1] @ [count, 1])]
+
+
+def _way_to(end: int, before: np.ndarray) -> list[int]:
+    """The nodes from the start of a search, or from where none leads on, to a node; ``before`` are predecessors."""
+    way = [end]
+    while before[way[-1]] >= 0:
+        way.append(int(before[way[-1]]))
+    return way[::-1]
+
+
+def _parts(
+    quads: QuadMesh,
+    features: FeatureLines,
+    number: int,
+    side: float,
+    edges: np.ndarray,
+    at_corner: dict[int, int],
+    near: np.ndarray,
+) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+    """Parts of a line on which edges lie: vertices that are not at its corners, positions along the line, and length.
+
+    Arguments as of :func:`_chain`.
+    """
+    line, length = features.lines[number], features.lengths[number]
+    ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
+    ways[near], apart[near] = features.nearest(number, quads.vertices[near])
+    at_ends = [] if features.closed[number] else [at_corner.get(int(corner), -1) for corner in line[[0, -1]]]
+    for vertex, way in zip(at_ends, (0.0, length), strict=False):
+        if vertex >= 0:
+            apart[np.abs(ways - way) < SMALLEST_GAP * side] = np.inf
+            ways[vertex], apart[vertex] = way, 0.0
+    edges = edges[(apart[edges] < PART_REACH * side).all(axis=1)]
+    steps = np.linalg.norm(np.diff(quads.vertices[edges], axis=1)[:, 0], axis=1)
+    onwards = np.diff(ways[edges], axis=1)[:, 0]
+    if features.closed[number]:
+        onwards = (onwards + length / 2) % length - length / 2
+    usable = np.abs(onwards) * LENGTH_RATIO > steps
+    edges = np.where(onwards[:, None] > 0, edges, edges[:, ::-1])[usable]
+    nodes, ends = np.unique(edges, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    graph = coo_matrix((np.abs(onwards[usable]), ends.T), shape=(len(nodes), len(nodes))).tocsr()
+    begins = np.setdiff1d(ends[:, 0], ends[:, 1])
+    reached, before = dijkstra(graph, indices=begins, return_predecessors=True)
+    reached[~np.isfinite(reached)] = 0
+    free = np.ones(len(nodes), bool)
+    for row in np.argsort(-reached.max(axis=1, initial=0), kind="stable"):
+        path = np.array(_way_to(int(reached[row].argmax()), before[row]))
+        if free[path].all():
+            free[path] = False
+            inner = nodes[path[~np.isin(nodes[path], at_ends)]]
+            yield inner, ways[inner], float(reached[row].max())
 
 
 def _with_ends(edges: np.ndarray, ends: tuple[int, int], count: int) -> np.ndarray:

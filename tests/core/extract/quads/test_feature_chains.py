@@ -106,8 +106,19 @@ def ring_on_cylinder(left_out=0):
 def test_a_chain_goes_along_a_line_whose_ends_are_near_each_other(left_out):
     quads, features, ring = ring_on_cylinder(left_out)
     _, chains = follow_features(quads, features)
-    assert len(features.lines) == 1 and chains.missed == ()
+    assert len(features.lines) == 1 and len(chains.lost) == 0
     assert set(np.flatnonzero((chains.lines == 0) | chains.fixed)) == set(ring.ravel())
+
+
+def test_vertices_at_the_end_of_a_line_are_moved_apart():
+    """One stands at the corner, and the next one nearly so."""
+    quads, features, ring = ring_on_cylinder(4)
+    places = quads.vertices.copy()
+    places[ring[0, 1]] = places[ring[0, 0]] + 1e-7 * (places[ring[0, 1]] - places[ring[0, 0]])
+    found, chains = follow_features(replace(quads, vertices=places), features)
+    assert len(chains.lost) == 0
+    lengths = np.linalg.norm(np.diff(found.vertices[ring], axis=1)[:, 0], axis=1)
+    assert lengths.min() > 0.2 * lengths.mean()
 
 
 def test_a_face_that_a_line_crosses_is_cut_along_it():
@@ -123,10 +134,27 @@ def test_a_face_that_a_line_crosses_is_cut_along_it():
     others = [face for k, face in enumerate(faces) if k not in beside]
     sizes = np.array([6, *[4] * len(others)])
     joined = replace(quads, corner_vertices=np.concatenate([hexagon, *others]), sizes=sizes)
-    assert is_surface(joined) and follow_features(joined, features)[1].missed == (0,)
+    assert is_surface(joined)
+    _, chains = follow_features(joined, features)
+    assert chains.lost == pytest.approx(features.lengths / 24)  # 23 of 24 edges are still there
+    assert set(np.flatnonzero(chains.lines == 0)) == set(ring.ravel())
     mended, chains = follow_features(joined, features, cut=True)
-    assert chains.missed == () and is_surface(mended)
+    assert len(chains.lost) == 0 and is_surface(mended)
     assert set(map(tuple, mended.edges[0])) == set(map(tuple, quads.edges[0]))
+
+
+@pytest.mark.parametrize("left_out", [0, 4])
+def test_edges_follow_the_parts_of_a_line_that_they_lie_on(left_out):
+    """A line along which faces are missing at three places, one of them its end."""
+    quads, features, ring = ring_on_cylinder(left_out)
+    missing = ring[[0, 8, 13], 0]
+    left = quads.only(~np.isin(quads.corner_vertices.reshape(-1, 4), missing).any(axis=1))
+    _, chains = follow_features(left, features)
+    there = ring[~np.isin(ring, missing).any(axis=1)]
+    assert chains.followed == pytest.approx([np.linalg.norm(np.diff(quads.vertices[there], axis=1), axis=2).sum()])
+    assert chains.lost == pytest.approx(features.lengths - chains.followed)
+    on_line = left.vertices[(chains.lines == 0) | chains.fixed]
+    assert set(map(tuple, on_line)) == set(map(tuple, quads.vertices[np.unique(there)]))
 
 
 def test_a_corner_stays_with_the_vertex_that_stands_there():
