@@ -143,6 +143,15 @@ def circle_transports(angles: ArrayLike, flips: ArrayLike | None = None) -> np.n
     return np.stack([np.stack([cosine, -sine * sign], -1), np.stack([sine, cosine * sign], -1)], -2)
 
 
+def are_flips(transports: np.ndarray) -> np.ndarray:
+    """(k,) bool: transports that reverse orientation; complex numbers never do."""
+    if transports.ndim == 1:
+        return np.zeros(len(transports), bool)
+    if transports.shape[1:] == (2, 2):  # several times as fast as a factorization of each
+        return transports[:, 0, 0] * transports[:, 1, 1] < transports[:, 0, 1] * transports[:, 1, 0]
+    return np.linalg.det(transports) < 0
+
+
 def as_matrices(transports: np.ndarray) -> np.ndarray:
     """Convert complex transports to 2 x 2 matrices; matrices stay."""
     if transports.ndim == 3:

@@ -18,7 +18,17 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .algebra.blocks import block_matrix, scale_blocks
 from .algebra.orthonormal import nearest
-from .connection import Connection, Fibre, Merged, Targets, as_matrices, circle_transports, compose, join_targets
+from .connection import (
+    Connection,
+    Fibre,
+    Merged,
+    Targets,
+    are_flips,
+    as_matrices,
+    circle_transports,
+    compose,
+    join_targets,
+)
 from .errors import SettingError
 from .gauge import balance
 from .graphs import components
@@ -148,6 +158,30 @@ class SynchronizationProblem:
         twin.connection = replace(self.connection, transports=transports)
         return twin
 
+    def adopt(self, other: "SynchronizationProblem") -> None:
+        """Take what another problem knows, if only the angles of the transports between the nodes are different."""
+        if (self.fibre, self.connection.node_count, self.connection.transports.shape) != (
+            other.fibre,
+            other.connection.node_count,
+            other.connection.transports.shape,
+        ):
+            return
+        parts = [
+            (
+                problem.connection.edges,
+                are_flips(problem.connection.transports),
+                problem.connection.weights,
+                problem.mass,
+                *(problem.merged.nodes, problem.merged.roots, problem.merged.transports),
+                *(problem.fixed.nodes, problem.fixed.values),
+                *(problem.drawn.nodes, problem.drawn.weights),
+            )
+            for problem in (self, other)
+        ]
+        if all(np.array_equal(own, known) for own, known in zip(*parts, strict=True)):
+            names = ("_components", "_gauge", "_embedding", "_scales", "_places")
+            self.__dict__ |= {name: other.__dict__[name] for name in names if name in other.__dict__}
+
     # Gauge: turn nodes over where this removes all flips of a component.
 
     @property
@@ -175,7 +209,7 @@ class SynchronizationProblem:
         count = self.connection.node_count
         if self.connection.block != 2 or not self.is_circle:
             return np.zeros(count, bool), self.connection.transports.ndim == 1
-        flips = np.append(_are_flips(self.connection.transports), _are_flips(self.merged.transports))
+        flips = np.append(are_flips(self.connection.transports), are_flips(self.merged.transports))
         turned, balanced = balance(count, self._pairs, flips)
         return turned, bool(balanced.all())
 
@@ -259,7 +293,12 @@ class SynchronizationProblem:
         """The connected pieces with at least one edge each; other nodes keep the phase 1."""
         embedding = self._embedding
         shape = (embedding.masses, embedding.components, embedding.grounds)
-        return Pieces(self.factor, self.links.scales, *shape, self._places, self.block, self.is_complex, self.fibre)
+        return Pieces(self.factor, self._scales, *shape, self._places, self.block, self.is_complex, self.fibre)
+
+    @cached_property
+    def _scales(self) -> np.ndarray:
+        """The :attr:`ColumnLinks.scales`, which do not depend on how far transports turn."""
+        return self.links.scales
 
     @cached_property
     def _places(self) -> np.ndarray:
@@ -329,12 +368,6 @@ class SynchronizationProblem:
         difference = phases[self.drawn.nodes] - self.drawn.values
         squares = (difference * np.conj(difference)).real.sum(axis=tuple(range(1, difference.ndim)))
         return self.connection.energy(phases) + float(self.drawn.weights @ squares)
-
-
-def _are_flips(transports: np.ndarray) -> np.ndarray:
-    if transports.ndim == 1:
-        return np.zeros(len(transports), bool)
-    return np.linalg.det(transports) < 0
 
 
 def _ground_blocks(values: np.ndarray) -> np.ndarray:

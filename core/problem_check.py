@@ -2,10 +2,11 @@
 """Validation of a synchronization problem: one line names the first element that is wrong, and the remedy."""
 
 from collections.abc import Callable
+from itertools import combinations_with_replacement
 
 import numpy as np
 
-from .connection import Connection, Fibre, Merged, Targets
+from .connection import Connection, Fibre, Merged, Targets, are_flips
 from .errors import SettingError
 
 # Tolerance for orthogonal transports and unit values: the error of single precision.
@@ -100,13 +101,18 @@ def _check_transports(element: str, transports: np.ndarray, count: int, fibre: F
 
 
 def _far_from_orthogonal(matrices: np.ndarray) -> np.ndarray:
-    squares = np.einsum("eba,ebc->eac", matrices, matrices)
-    return ~(np.abs(squares - np.eye(matrices.shape[1])) < UNIT).all(axis=(1, 2))
+    size = matrices.shape[1]
+    far = np.zeros(len(matrices), bool)
+    for a, b in combinations_with_replacement(range(size), 2):  # one product of columns of all matrices after the other
+        products = sum(matrices[:, row, a] * matrices[:, row, b] for row in range(size))
+        far |= ~(np.abs(products - (a == b)) < UNIT)
+    return far
 
 
 def _refuse_reflections(name: str, matrices: np.ndarray) -> None:
-    reflects = np.linalg.det(matrices) < 0
-    _refuse_first(reflects, lambda k: f"the {name} {k} is a reflection: give rotations, or let the nodes be orthogonal")
+    _refuse_first(
+        are_flips(matrices), lambda k: f"the {name} {k} is a reflection: give rotations, or let the nodes be orthogonal"
+    )
 
 
 def _check_values(element: str, values: np.ndarray, count: int, connection: Connection, fibre: Fibre) -> None:

@@ -24,7 +24,7 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import SuperLU, cg
 
 from ..algebra.factorization import factorize, near_order, solve_definite
-from ..connection import Connection, as_matrices
+from ..connection import Connection, are_flips, as_matrices
 from ..defects import wrap
 from ..errors import SettingError
 from ..gauge import balance
@@ -290,4 +290,4 @@ def known_turns(connection: Connection, fixed: Targets, merged: Merged) -> np.nd
 
 def _turns_and_flips(transports: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     matrices = as_matrices(transports)
-    return np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0]), np.linalg.det(matrices) < 0
+    return np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0]), are_flips(matrices)

@@ -35,12 +35,16 @@ class Follower:
 
     def __init__(self) -> None:
         self._metrics: dict[int, tuple[tuple[int, int], Metric]] = {}
+        self._before: SynchronizationProblem | None = None
 
     def __reduce__(self) -> tuple[type["Follower"], tuple[()]]:
         return Follower, ()
 
-    def suits(self, problem: SynchronizationProblem) -> bool:
-        """Whether a problem is on the circle and has few pieces."""
+    def take_on(self, problem: SynchronizationProblem) -> bool:
+        """Prepare a problem by what the one before it knows; False if it is not on the circle or has many pieces."""
+        if self._before is not None:
+            problem.adopt(self._before)
+        self._before = problem
         return problem.is_circle and len(problem.pieces) <= MOST_PIECES
 
     def solve(self, problem: SynchronizationProblem, phases: np.ndarray, callback: Callback | None = None) -> Solution:

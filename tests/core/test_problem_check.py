@@ -5,9 +5,10 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.connection import Connection
+from synch_fields.core.connection import Connection, are_flips
 from synch_fields.core.errors import SettingError
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
+from synch_fields.core.problem_check import _far_from_orthogonal
 from synch_fields.core.solve import solve
 
 EDGES, ONES = np.array([[0, 1], [1, 2], [2, 0]]), np.ones(3)
@@ -74,3 +75,16 @@ def test_lists_are_as_good_as_arrays():
     assert solution.energy == pytest.approx(0, abs=1e-9)
     solution = solve(problem(merged=Merged([2], [1], [1j]), fixed=Targets([0], [1.0]), drawn=Targets([1], [1j], [1])))
     assert solution.phases[2] == pytest.approx(1j * solution.phases[1]) and solution.phases[0] == pytest.approx(1)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4])
+def test_orthogonal_matrices_and_flips_are_told_apart_as_by_linear_algebra(size):
+    random = np.random.default_rng(size)
+    matrices = np.linalg.qr(random.normal(size=(40, size, size)))[0]
+    assert not _far_from_orthogonal(matrices).any()
+    assert np.array_equal(are_flips(matrices), np.linalg.det(matrices) < 0)
+    for row, column in np.ndindex(size, size):
+        bent = matrices.copy()
+        bent[7, row, column] += 3e-2
+        bent[9, row, column] = np.nan
+        assert np.flatnonzero(_far_from_orthogonal(bent)).tolist() == [7, 9]

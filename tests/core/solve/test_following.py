@@ -3,10 +3,12 @@
 """From a field to one of a problem that differs little."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from synch_fields.core.connection import as_matrices
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import direction_problem
@@ -67,15 +69,36 @@ def test_any_phases_are_followed_to_less_energy_and_constraints_hold(build):
     random = np.random.default_rng(0)
     phases = solve(problem).phases * np.exp(0.3j * random.standard_normal(problem.connection.node_count))
     follower = Follower()
-    assert follower.suits(problem)
+    assert follower.take_on(problem)
     found = follower.solve(problem, phases)
     assert found.energy < problem.energy(phases)
     np.testing.assert_allclose(found.phases[problem.fixed.nodes], problem.fixed.values, atol=1e-12)
 
 
+def test_a_problem_takes_from_the_one_before_only_what_is_its_own():
+    """The same graph and flips with other angles; then other flips, weights, and fixed values."""
+    flips = fixed_stripes(24)
+    transports = flips.connection.transports
+    turn = as_matrices(np.full(len(transports), np.exp(0.1j)))
+    others = [
+        replace(flips.connection, transports=turn @ transports),
+        replace(flips.connection, transports=np.where(np.arange(len(turn))[:, None, None] % 7 == 0, turn, transports)),
+        replace(flips.connection, weights=2 * flips.connection.weights),
+        flips.connection,
+    ]
+    fixed = [flips.fixed, flips.fixed, flips.fixed, replace(flips.fixed, values=-1j * flips.fixed.values)]
+    phases = solve(flips).phases
+    for connection, targets, adopts in zip(others, fixed, (True, False, False, False), strict=True):
+        follower, fresh = Follower(), Follower()
+        problem, again = (SynchronizationProblem(connection, flips.mass, fixed=targets) for _ in range(2))
+        assert follower.take_on(flips) and follower.take_on(problem) and fresh.take_on(again)
+        assert (problem._embedding is flips._embedding) == adopts
+        np.testing.assert_array_equal(follower.solve(problem, phases).phases, fresh.solve(again, phases).phases)
+
+
 def test_only_fields_on_the_circle_in_few_pieces_are_followed():
-    assert not Follower().suits(SynchronizationProblem(random_connection("rotations", 20)))
-    assert not Follower().suits(direction_problem(together(*[icosphere(1)] * 33), 4))
+    assert not Follower().take_on(SynchronizationProblem(random_connection("rotations", 20)))
+    assert not Follower().take_on(direction_problem(together(*[icosphere(1)] * 33), 4))
 
 
 def test_to_another_process_it_goes_empty(along):
