@@ -27,8 +27,7 @@ from ..expectation import told_at_once
 from ..flows import ring_curve
 
 RADIUS, NODES = 0.3, 18
-ROUGH = {"resolution": NODES, "target_gap": 0.1}
-QUICK = {**ROUGH, "seed": 1, "show": "both", "opening": 100.0}
+QUICK = {"resolution": NODES, "seed": 1, "show": "both", "opening": 100.0}
 
 
 @pytest.fixture
@@ -68,7 +67,7 @@ def test_filaments_and_tubes_of_arrays_are_around_their_ring(ring_file):
 
 def test_curves_are_solved_as_the_flow_around_them():
     curves = FilamentCurves("Ring", ((ring_curve(RADIUS), 1.0),), 2.0)
-    settings = FlowSettings(**ROUGH, seed=1, count=2.0)
+    settings = FlowSettings(resolution=NODES, seed=1, count=2.0)
     result = FlowRequest(curves, settings).solve()
     # As many as are wanted, each with no more than its part of the curve's circulation.
     assert layer_sums(result.found.grid, result.found.face_numbers) >= 2 and result.found.quantum < 0.5
@@ -80,17 +79,17 @@ def test_thin_cores_few_filaments_and_many_are_warned_of(ring_file):
     thin = FilamentCurves("Ring", ((ring_curve(RADIUS), 1.0),), 0.5)
     found = FlowRequest(thin, FlowSettings(**QUICK, core=0.5)).solve()
     assert [w for w in found.warnings if w.startswith("tubes have an inside from a core of 2 cells on, and it is 0.5")]
-    alone = FlowRequest(ring_file(), FlowSettings(**ROUGH, quantum=40.0)).solve()
+    alone = FlowRequest(ring_file(), FlowSettings(resolution=NODES, quantum=40.0)).solve()
     (line,) = [warning for warning in alone.warnings if "of the vorticity: with a circulation of " in warning]
     suggested, share = re.search(r"a circulation of (\S+) they carry (\d+)%", line).groups()
-    tried = FlowRequest(ring_file(), FlowSettings(**ROUGH, quantum=float(suggested))).solve()
+    tried = FlowRequest(ring_file(), FlowSettings(resolution=NODES, quantum=float(suggested))).solve()
     assert f"{tried.found.vorticity_share:.0%}" == f"{share}%" and tried.found.vorticity_share > 0.6
     assert "the map has no filaments: ask for more filaments, or a smaller circulation of each" in alone.warnings
 
 
 def test_a_circulation_that_carries_too_little_after_all_becomes_smaller(ring_file, monkeypatch):
     monkeypatch.setattr(flows, "find_quantum", lambda *_: 4.0)  # twice the ring's
-    settings = FlowSettings(**ROUGH, seed=1, share=0.6)
+    settings = FlowSettings(resolution=NODES, seed=1, share=0.6)
     result = FlowRequest(ring_file(), settings).solve()
     assert result.shown.share > 0.5 and result.found.quantum == 1
     # Filaments that are left out do not count: none is longer than two boxes.
@@ -116,14 +115,14 @@ def test_a_sequence_follows_the_ring_and_keeps_its_quantum(ring_file):
 
 def test_warnings_of_a_sequence_name_their_frames(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (4, 5))
-    result = SequenceRequest(files, FlowSettings(**ROUGH, quantum=40.0)).solve()
+    result = SequenceRequest(files, FlowSettings(resolution=NODES, quantum=40.0)).solve()
     assert [line for line in result.warnings if line.startswith("frames 4, 5: the map has no filaments")]
 
 
 def test_frames_that_carry_little_or_only_noise_are_warned_of(ring_file):
     noise = np.random.default_rng(0).standard_normal((18, 18, 18, 3))
     files = FrameFile(1, ring_file()), FrameFile(2, ring_file(0.1, velocity=noise))
-    result = SequenceRequest(files, FlowSettings(**ROUGH, quantum=1.5, target_gap=0.1)).solve()
+    result = SequenceRequest(files, FlowSettings(resolution=NODES, quantum=1.5, target_gap=0.1)).solve()
     lines, noise = [frame.facts["vorticity_share"] for frame in result.frames], "velocities change at random"
     warned = [line for line in result.warnings if "less than 60% of the vorticity" in line]
     assert [0 < share < 0.6 for share in lines] == [str(frame) in "".join(warned)[:12] for frame in (1, 2)]
@@ -214,7 +213,7 @@ def test_frames_need_the_same_grid_and_some_vorticity(ring_file, tmp_path):
 def test_what_cannot_be_asked_of_sequences_is_refused(ring_file):
     files = (FrameFile(1, ring_file()),)
     with pytest.raises(SettingError, match="use the method sdp"):
-        SequenceRequest(files, FlowSettings(**ROUGH, method="spectral"))
+        SequenceRequest(files, FlowSettings(resolution=NODES, method="spectral"))
     with pytest.raises(SettingError, match="a resolution of 7 nodes shows no vortex"):
         SequenceRequest(files, FlowSettings(resolution=7))
 
