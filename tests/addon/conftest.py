@@ -67,11 +67,11 @@ def extension():
 
 @pytest.fixture(scope="session")
 def drawn_groups(extension, tmp_path_factory):
-    """The node groups of most patterns as the add-on draws them, once, in a .blend file: its path, and for each group
-    its stamp and the names of all that come with it."""
+    """The larger node groups as the add-on draws them, once, in a .blend file: its path, and for each group its stamp,
+    its type and the names of all that come with it."""
     import bpy
 
-    from synch_fields.synch_addon.nodes import bound_surface, canvas, quads, stripes, vortices
+    from synch_fields.synch_addon.nodes import canvas, quads, stripes, vortices
     from synch_fields.synch_addon.patterns import relief
 
     path, found = tmp_path_factory.mktemp("groups") / "groups.blend", {}
@@ -79,8 +79,6 @@ def drawn_groups(extension, tmp_path_factory):
         stripes.stripes_group,
         quads.quads_group,
         vortices.tubes_group,
-        bound_surface.bound_surface_group,
-        vortices.filaments_group,
         lambda: relief.relief_group("stripes"),
         lambda: relief.relief_group("quads"),
     ):
