@@ -10,6 +10,7 @@ import importlib.util
 import os
 import shutil
 import sys
+from functools import wraps
 
 import pytest
 
@@ -100,6 +101,7 @@ def groups_of_a_file(request, drawn_groups):
     path, found = drawn_groups
     draw = canvas.group_tree
 
+    @wraps(draw)
     def take(name, stamp, inputs, outputs, kind=canvas.Canvas):
         kept_stamp, kept_type, names = found.get(name, (None, None, ()))
         is_kept = (kept_stamp, kept_type) == (stamp, kind.tree_type) and not {*names} & {*bpy.data.node_groups.keys()}
