@@ -5,10 +5,12 @@ processes that run at once. Fields are searched with few tries, save where the s
 
 import os
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pytest
 
+from synch_fields.core import memory
 from synch_fields.core.solve.methods import rounding
 
 TESTS = Path(__file__).parent
@@ -19,6 +21,7 @@ EACH = {"blender", "looks", "nodes", "operators", "panels"}
 SEARCHED, MARKS, FEW, USUAL = ("core/algebra", "core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
 # CPU seconds of the files that take more than SHORT, as `--measure` writes them; bytes of a shorter one per second.
 TABLE, SHORT, BYTES_PER_SECOND = TESTS / "seconds.txt", 2.0, 8_000
+CONTAINER_BYTES = cache(memory._container_bytes)
 OURS, SPENT = pytest.StashKey[set[Path] | None](), pytest.StashKey[Counter[Path]]()
 
 
@@ -96,3 +99,12 @@ def set_search(request):
 
 search_of_the_file = pytest.fixture(set_search, scope="module", autouse=True)
 search_of_the_test = pytest.fixture(set_search, autouse=True)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def container_of_the_file(request):
+    """Read the container's limit once, not some twenty times in each solve, save where that is tested."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path != TESTS / "core" / "test_memory.py":
+            patch.setattr(memory, "_container_bytes", CONTAINER_BYTES)
+        yield
