@@ -10,10 +10,10 @@ import pytest
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from synch_fields.core.fields.target_one_form import TargetOneForm
-from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, ell, evaluate, face_phases
 
 from .meshes import (
+    as_triangles,
     bent_square,
     cube,
     honeycomb_sphere,
@@ -26,11 +26,6 @@ from .meshes import (
     twisted_sphere,
     with_split,
 )
-
-
-def as_triangles(mesh):
-    return mesh, Polygons.of_triangles(mesh)
-
 
 SURFACES = [
     pytest.param(lambda: as_triangles(icosphere(2)), id="triangles-sphere"),
