@@ -19,7 +19,8 @@ EACH = {"blender", "looks", "nodes", "operators", "panels"}
 # Rooms that are about the search for fields: there it is as long as for users. So it is in files and tests with one of
 # these marks, and in child processes. Elsewhere it has this share of the usual number of tries.
 SEARCHED, MARKS, FEW, USUAL = ("core/algebra", "core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
-# CPU seconds of the files that take more than SHORT, as `--measure` writes them; bytes of a shorter one per second.
+# CPU seconds of the files that take SHORT or more without slow tests, as `--measure` writes them; of the others, bytes
+# of a file for each second.
 TABLE, SHORT, BYTES_PER_SECOND = TESTS / "seconds.txt", 2.0, 8_000
 CONTAINER_BYTES = cache(memory._container_bytes)
 OURS, SPENT = pytest.StashKey[set[Path] | None](), pytest.StashKey[Counter[Path]]()
@@ -51,15 +52,16 @@ def pytest_ignore_collect(collection_path, config):
 def pytest_runtest_protocol(item):
     before = sum(os.times()[:4])
     yield
-    item.config.stash[SPENT][item.path] += sum(os.times()[:4]) - before
+    if item.get_closest_marker("slow") is None:
+        item.config.stash[SPENT][item.path] += sum(os.times()[:4]) - before
 
 
 def pytest_sessionfinish(session):
     if session.config.getoption("measure"):
         spent = {path.relative_to(TESTS).as_posix(): seconds for path, seconds in session.config.stash[SPENT].items()}
-        long = {name: seconds for name, seconds in (read_table() | spent).items() if seconds > SHORT}
-        rows = sorted((-seconds, name) for name, seconds in long.items() if (TESTS / name).exists())
-        TABLE.write_text("".join(f"{-seconds:.0f} {name}\n" for seconds, name in rows), encoding="utf-8")
+        long = {name: seconds for name, seconds in (read_table() | spent).items() if seconds >= SHORT}
+        rows = sorted((-round(seconds), name) for name, seconds in long.items() if (TESTS / name).exists())
+        TABLE.write_text("".join(f"{-seconds} {name}\n" for seconds, name in rows), encoding="utf-8")
 
 
 def read_table():
