@@ -47,3 +47,13 @@ def test_shares_and_parts_take_about_the_same_time(option):
 
 def test_the_table_is_of_files_that_are_here():
     assert all((conftest.TESTS / name).is_file() for name in conftest.read_table())
+
+
+def test_what_was_measured_goes_into_the_table_and_the_rest_of_it_stays(tmp_path, monkeypatch):
+    short, long, other = "core/test_gauge.py", "core/test_memory.py", "test_package.py"
+    (tmp_path / "seconds.txt").write_text(f"9 {other}\n3 {short}\n2 core/test_gone.py\n")
+    monkeypatch.setattr(conftest, "TABLE", tmp_path / "seconds.txt")
+    stash = pytest.Stash()
+    stash[conftest.SPENT] = {conftest.TESTS / short: 0.4, conftest.TESTS / long: 9.2}
+    conftest.pytest_sessionfinish(SimpleNamespace(config=SimpleNamespace(stash=stash, getoption=lambda name: True)))
+    assert conftest.TABLE.read_text() == f"9 {long}\n9 {other}\n"
