@@ -119,9 +119,10 @@ def changed_outside_of_objects(tree):
             held.add(node.name)
     lines = set()
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.Lambda)):
-        own = {name.id for name in ast.walk(function) if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)}
-        own |= {name.arg for name in ast.walk(function) if isinstance(name, ast.arg)}
-        for node in ast.walk(function):
+        inside = [*ast.walk(function)]
+        own = {name.id for name in inside if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)}
+        own |= {name.arg for name in inside if isinstance(name, ast.arg)}
+        for node in inside:
             if isinstance(node, ast.Global):
                 lines.add(node.lineno)
             changes = isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)

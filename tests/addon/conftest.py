@@ -10,10 +10,13 @@ import importlib.util
 import os
 import shutil
 import sys
+from functools import wraps
 
 import pytest
 
 _STATUS = pytest.StashKey[int]()
+# Files whose tests are about how node groups are drawn, beside the rooms that are.
+DRAWN = {"test_saved", "test_transaction"}
 
 
 @pytest.hookimpl(trylast=True)
@@ -61,6 +64,59 @@ def extension():
     synch_fields.register()
     yield synch_fields
     synch_fields.unregister()
+
+
+@pytest.fixture(scope="session")
+def drawn_groups(extension, tmp_path_factory):
+    """The larger node groups as the add-on draws them, once, in a .blend file: its path, and for each group its stamp,
+    its type and the names of all that come with it."""
+    import bpy
+
+    from synch_fields.synch_addon.nodes import canvas, quads, stripes, vortices
+    from synch_fields.synch_addon.patterns import relief
+
+    path, found = tmp_path_factory.mktemp("groups") / "groups.blend", {}
+    for draw in (
+        stripes.stripes_group,
+        quads.quads_group,
+        vortices.tubes_group,
+        lambda: relief.relief_group("stripes"),
+        lambda: relief.relief_group("quads"),
+    ):
+        before = set(bpy.data.node_groups)
+        draw()
+        trees = {tree.name: tree for tree in set(bpy.data.node_groups) - before}
+        found |= {name: (tree[canvas._STAMP], tree.bl_idname, [*trees]) for name, tree in trees.items()}
+    bpy.data.libraries.write(str(path), set(bpy.data.node_groups))
+    return path, found
+
+
+@pytest.fixture(scope="module", autouse=True)
+def groups_of_a_file(request, drawn_groups):
+    """Take node groups from a file, which is quicker than drawing them, save in rooms and files that are about that."""
+    import bpy
+
+    from synch_fields.synch_addon.nodes import canvas
+
+    path, found = drawn_groups
+    draw = canvas.group_tree
+
+    @wraps(draw)
+    def take(name, stamp, inputs, outputs, kind=canvas.Canvas):
+        kept_stamp, kept_type, names = found.get(name, (None, None, ()))
+        is_kept = (kept_stamp, kept_type) == (stamp, kind.tree_type) and not {*names} & {*bpy.data.node_groups.keys()}
+        if is_kept and sys.gettrace() is None:  # faults come to the drawing too
+            with bpy.data.libraries.load(str(path)) as (_, wanted):
+                wanted.node_groups = [name]
+            bpy.data.libraries.remove(bpy.data.libraries[path.name])
+        return draw(name, stamp, inputs, outputs, kind)
+
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path.parent.name not in ("looks", "nodes") and request.path.stem not in DRAWN:
+            for name, module in list(sys.modules.items()):
+                if name.startswith("synch_fields.synch_addon.") and getattr(module, "group_tree", None) is draw:
+                    patch.setattr(module, "group_tree", take)
+        yield
 
 
 @pytest.fixture(autouse=True)

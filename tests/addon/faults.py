@@ -65,7 +65,7 @@ def state(folder=None):
         "file": snapshot(),
         "data": datablocks(),
         "hidden": {obj.name: (obj.hide_get(), obj.hide_render) for obj in bpy.context.view_layer.objects},
-        "nodes": {name: _tree(tree) for name, tree in trees if tree is not None},
+        "nodes": {name: tree_state(tree) for name, tree in trees if tree is not None},
         "curves": {curve.name: [_spline(s) for s in curve.splines] for curve in bpy.data.curves},
         "modifiers": {obj.name: [_modifier(m) for m in obj.modifiers] for obj in bpy.data.objects},
         "maps": {mesh.name: _maps(mesh) for mesh in bpy.data.meshes},
@@ -74,7 +74,7 @@ def state(folder=None):
     }
 
 
-def _tree(tree):
+def tree_state(tree):
     nodes = sorted(
         (node.bl_idname, node.name, [_value(socket) for socket in node.inputs if not socket.is_linked])
         for node in tree.nodes

@@ -78,3 +78,9 @@ def layers_of(obj):
 def made(report, kind="layers"):
     """An object that a run has made."""
     return bpy.data.objects[report[f"{kind}_object"]]
+
+
+def placed(obj):
+    """(n, 3) the vertices of an object in the world."""
+    matrix = np.array(obj.matrix_world)
+    return attribute(obj, "position") @ matrix[:3, :3].T + matrix[:3, 3]

@@ -35,9 +35,9 @@ import sys, bpy
 import addon_utils  # on the path once bpy is loaded
 module = addon_utils.enable("{MODULE}", default_set=False)
 assert module is not None, "the extension cannot be enabled"
-bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5)
+bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
 assert "synch_phase" not in bpy.context.object.data.attributes
-assert bpy.ops.synch.stripes(spacing=0.4) == {{"FINISHED"}}
+assert bpy.ops.synch.stripes(spacing=0.8) == {{"FINISHED"}}
 from pathlib import Path
 for library in Path(module.__file__).parent.rglob("synch_fields.blend"):
     with bpy.data.libraries.load(str(library), assets_only=True) as (there, _):
@@ -49,7 +49,7 @@ values = [element.value for element in phase.data]
 assert max(values) - min(values) > 1, "the phase is constant"
 assert "synch_fields" not in sys.modules, "the extension imports the pip package instead of itself"
 {{IMPORT}}
-assert api.stripes(bpy.context.object, spacing=0.4)["command"] == "stripes" and api.__name__.startswith("{MODULE}.")
+assert api.stripes(bpy.context.object, spacing=0.8)["command"] == "stripes" and api.__name__.startswith("{MODULE}.")
 print(phase.domain, phase.data_type, module.__file__)
 """
 # The manual says how the functions are imported from the zip and from the package.

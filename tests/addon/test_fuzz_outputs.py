@@ -111,8 +111,8 @@ WRITING = [
     "layers cube.stl --spacing 0.6 --size 0.3 --export-layers part.obj --export-paths paths.csv --export-volume v.vdb",
     "layers cube.stl --spacing 0.6 --size 0.3 --export-gcode part.gcode --output layers.blend --report layers.json",
     "layers cube.stl --spacing 0.6 --size 0.3 --export-paths paths.obj",
-    "clebsch ring.npz --target-gap 0.05 --show filaments --export-filaments ring.vtp --output ring.blend",
-    "clebsch ring.npz --target-gap 0.05 --show filaments --export-filaments ring.csv",
+    "clebsch ring.npz --quantum 1 --target-gap 0.05 --show filaments --export-filaments ring.vtp --output ring.blend",
+    "clebsch ring.npz --quantum 1 --target-gap 0.05 --show filaments --export-filaments ring.csv",
     "bake stripes.blend --folder baked --size 16 --maps mask,height",
     "batch info.json --folder rows",
 ]
@@ -122,7 +122,7 @@ READING = [
     ("stripes FILE --spacing 0.7", ".blend .obj .ply .stl"),
     ("quad_mesh FILE --spacing 0.7", ".blend .obj .ply .stl"),
     ("layers FILE --spacing 0.6 --size 0.3", ".blend .stl .mesh .vtu"),
-    ("clebsch FILE --target-gap 0.05", ".blend .npz .vdb"),
+    ("clebsch FILE --quantum 1 --target-gap 0.05", ".blend .npz .vdb"),
     ("animate FILE --spacing 0.7 --frames 1 2", ".blend"),
     ("bake FILE --folder baked --size 16", ".blend"),
     ("stripes ball.obj --spacing 0.7 --constraints FILE", ".json"),
@@ -134,12 +134,21 @@ READING = [
 ]
 
 
+@cache
+def inputs():
+    """Contents of ball.obj, cube.stl and ring.npz."""
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        for made, name in ((sphere, "ball.obj"), (block, "cube.stl")):
+            empty_scene()
+            files.export_mesh(made(), name)
+        write_npz("ring.npz")
+        return {str(path): path.read_bytes() for path in Path().iterdir()}
+
+
 def write_inputs():
     """Write ball.obj, cube.stl and ring.npz where we are."""
-    for made, name in ((sphere, "ball.obj"), (block, "cube.stl")):
-        empty_scene()
-        files.export_mesh(made(), name)
-    write_npz("ring.npz")
+    for name, content in inputs().items():
+        Path(name).write_bytes(content)
 
 
 @cache

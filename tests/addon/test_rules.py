@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -68,10 +69,15 @@ def trees(zips):
     return {name: ast.parse(data) for name, data in codes[0].items()}
 
 
+@cache
+def nodes_of(tree):
+    return [*ast.walk(tree)]
+
+
 def imported(tree):
     """First parts of the names of modules that a program imports, its own left out."""
     names = set()
-    for node in ast.walk(tree):
+    for node in nodes_of(tree):
         if isinstance(node, ast.Import):
             names |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and not node.level:
@@ -89,7 +95,7 @@ def dotted(node):
 def refused(tree):
     """What a program does that an extension must not: runs text, or changes where modules come from."""
     found = []
-    for node in ast.walk(tree):
+    for node in nodes_of(tree):
         if isinstance(node, ast.Call):
             name = dotted(node.func)
             if name in RUNNING or (name.endswith(".reload") and name.startswith(("importlib", "imp"))):
@@ -107,7 +113,7 @@ def refused(tree):
 def found_by_name(tree):
     """Lookups of what Blender names in the user's language: nodes by any name, other data by a literal one."""
     found = []
-    for node in ast.walk(tree):
+    for node in nodes_of(tree):
         match node:
             case ast.Subscript(value=ast.Attribute(attr=owner), slice=key):
                 pass

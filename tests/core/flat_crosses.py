@@ -96,3 +96,8 @@ def cone(quadrants, cells=3.4, rings=9, side=None, seed=0):
 
 def _triangulated(points):
     return Delaunay(np.column_stack([points.real, points.imag])).simplices
+
+
+def random_crosses(mesh, seed=0):
+    """Crosses full of disclinations of all indices."""
+    return given_directions(mesh, 4, np.random.default_rng(seed).standard_normal((mesh.vertex_count, 3)))

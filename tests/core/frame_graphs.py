@@ -3,10 +3,12 @@
 """Graphs whose nodes carry frames, and independent solutions: an interior-point method, and many local searches."""
 
 import numpy as np
-from scipy.linalg import LinAlgError, block_diag, eigh
+from scipy.linalg import LinAlgError, block_diag
 from scipy.spatial.transform import Rotation
 
 from synch_fields.core.connection import Connection
+
+from .graphs import longest_step
 
 
 def random_frames(count, dimension, random, special=True):
@@ -80,7 +82,7 @@ def frame_relaxation(matrix, d):
             move = target * inverse - x + np.tensordot(rise, seen, 1)
             move = (move + move.T) / 2
             fall = -np.tensordot(rise, constraints, 1)
-            x, duals = x + _longest_step(x, move) * move, duals + _longest_step(slack, fall) * rise
+            x, duals = x + longest_step(x, move) * move, duals + longest_step(slack, fall) * rise
         except LinAlgError:
             break
         before, gap = gap, np.vdot(x, matrix) - values @ duals
@@ -92,11 +94,6 @@ def frame_relaxation(matrix, d):
     shrink = block_diag(*shrinks)
     lower = values @ duals + size * min(np.linalg.eigvalsh(slack)[0], 0)
     return float(lower), float(np.vdot(shrink @ x @ shrink, matrix))
-
-
-def _longest_step(point, move):
-    lowest = eigh(move, point, eigvals_only=True)[0]
-    return min(1.0, -0.9 / lowest) if lowest < 0 else 1.0
 
 
 def brute_force_frames(connection, special, starts=60, sweeps=150, seed=0):

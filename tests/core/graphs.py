@@ -210,10 +210,10 @@ def _interior_step(matrix, nodes, share, x, duals, gap):
     rise = np.linalg.solve(share.T @ (inverse * x.conj()).real @ share, traces)
     move = target * inverse - x + inverse @ (rise[nodes][:, None] * x)
     move = (move + move.conj().T) / 2
-    return x + _longest_step(x, move) * move, duals + _longest_step(slack, -np.diag(rise[nodes])) * rise
+    return x + longest_step(x, move) * move, duals + longest_step(slack, -np.diag(rise[nodes])) * rise
 
 
-def _longest_step(point, move):
+def longest_step(point, move):
     """Share of ``move``, at most all of it, that keeps ``point`` positive definite."""
     lowest = eigh(move, point, eigvals_only=True)[0]
     return min(1.0, -0.9 / lowest) if lowest < 0 else 1.0

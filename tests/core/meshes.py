@@ -376,3 +376,8 @@ def flat_torus(width=1.0, height=1.0, columns=16, rows=12):
     axis[mesh.triangles] = turns
     assert np.abs(axis[mesh.triangles] - turns).max() < 1e-9
     return mesh, np.angle(axis)
+
+
+def as_triangles(mesh):
+    """A mesh and its triangles as polygons."""
+    return mesh, Polygons.of_triangles(mesh)

@@ -22,7 +22,7 @@ def merged_directions():
 
 def drawn_rotations():
     """Unit vectors in four dimensions, of which many are drawn to one another and to given ones."""
-    mesh, random = bumpy_torus(12), np.random.default_rng(0)
+    mesh, random = bumpy_torus(10), np.random.default_rng(0)
     transports = random_transports("rotations", len(mesh.edges), random)
     values = random.standard_normal((90, 4))
     values /= np.linalg.norm(values, axis=1)[:, None]

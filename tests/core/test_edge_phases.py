@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.defects import wrap
-from synch_fields.core.fields import direction_field, given_directions, quad_pattern
+from synch_fields.core.fields import direction_field, quad_pattern
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import (
@@ -24,6 +24,7 @@ from .flat_crosses import (
     plane_crosses,
     plane_edge_phases,
     plane_waves,
+    random_crosses,
     random_edge_phases,
     random_turns,
     turned_crosses,
@@ -35,11 +36,6 @@ A = np.array([[0, 1], [-1, 0]])
 
 def power(turns):
     return np.linalg.matrix_power(A, turns % 4)
-
-
-def random_crosses(mesh, seed=0):
-    """Full of disclinations of all indices."""
-    return given_directions(mesh, 4, np.random.default_rng(seed).standard_normal((mesh.vertex_count, 3)))
 
 
 def walked(edge_phases, corners):

@@ -63,7 +63,6 @@ def layered():
     return bpy.data.objects[report["layers_object"]]
 
 
-FRAME_1 = {f"{a.name}.1" for a in schema.FRAMED["stripes"]}
 WRITERS = {
     "directions": (lambda: solved(api.directions), {"synch_direction", "synch_singularity"}),
     "stripes": (lambda: solved(api.stripes, hexagon_sphere, spacing=0.5), {"synch_phase", "synch_disclination"}),

@@ -20,8 +20,8 @@ from ..event_loop import by_the_worker
 from ..scenes import attribute, quad_sphere
 
 COMMANDS = {
-    "stripes": {"spacing": 0.6},
-    "quad_mesh": {"spacing": 0.6},
+    "stripes": {"spacing": 0.9},
+    "quad_mesh": {"spacing": 0.9},
     "layers": {"spacing": 0.6, "size": 0.3},
 }
 

@@ -30,6 +30,15 @@ def own_child(blender):
     queue.stop()
 
 
+def ready_worker():
+    """A worker of its own whose child has begun."""
+    worker = Worker(2**33)
+    while not worker.is_ready:
+        worker.exchange()
+        time.sleep(0.01)
+    return worker
+
+
 def test_a_child_that_cannot_be_started_gives_one_line(own_child, monkeypatch):
     monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._python", lambda: ["/nowhere/python"])
     sphere()
@@ -112,12 +121,12 @@ def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
 
 
 def test_a_limit_of_memory_gives_one_line(own_child, monkeypatch):
-    monkeypatch.setattr(queue_module, "memory_limit", lambda: 300 * 2**20)
-    sphere(7)
+    monkeypatch.setattr(queue_module, "memory_limit", lambda: 200 * 2**20)
+    sphere(6)
     before = snapshot()
     loop, operator = begun(Stripes(spacing=0.05))
     assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
-    assert operator.reports[-1][0] == {"ERROR"} and "more than 300 MB of memory" in operator.reports[-1][1]
+    assert operator.reports[-1][0] == {"ERROR"} and "more than 200 MB of memory" in operator.reports[-1][1]
 
 
 @pytest.mark.parametrize("words", ["print('hello')", "import os; os.write(1, os.urandom(1 << 20))"])
@@ -135,10 +144,8 @@ def test_a_child_that_says_nonsense_gives_one_line(own_child, monkeypatch, words
 
 
 def test_a_child_ends_when_its_parent_is_gone():
-    worker = Worker(2**33)
+    worker = ready_worker()
     number = worker.number
-    while not worker.is_ready:
-        worker.exchange()
     worker._child.stdin.close()
     end = time.monotonic() + 1
     while worker._child.poll() is None and time.monotonic() < end:
@@ -214,9 +221,7 @@ def test_a_child_that_has_died_meanwhile_is_replaced():
 
 def test_what_came_before_the_end_of_the_child_counts(monkeypatch):
     """A result that was read in the same look as the closed pipe is a result."""
-    worker = Worker(2**33)
-    while not worker.is_ready:
-        worker.exchange()
+    worker = ready_worker()
     worker.ask(FieldJob("directions", sphere(), SurfaceSettings()).request)
     while worker._outgoing:
         worker.exchange()
@@ -231,15 +236,13 @@ def test_what_came_before_the_end_of_the_child_counts(monkeypatch):
 
 def test_megabytes_are_handed_over_in_few_looks():
     """Between two ticks of the window's timer pipes are emptied and filled as fast as the child is."""
-    worker = Worker(2**33)
-    while not worker.is_ready:
-        worker.exchange()
+    worker = ready_worker()
     request = FieldJob("directions", sphere(), SurfaceSettings()).request
-    request = replace(request, source=replace(request.source, turns=np.zeros(8_000_000)))
+    request = replace(request, source=replace(request.source, turns=np.zeros(4_000_000)))
     worker.ask(request)
     ticks = 0
     while worker._outgoing:
         worker.exchange()
         ticks += 1
     worker.end()
-    assert ticks <= 40  # 64 MB: at 50 ms a tick each moves more than a megabyte, at 64 KB a tick it would be a thousand
+    assert ticks <= 20  # 32 MB: at 50 ms a tick each moves more than a megabyte, at 64 KB a tick it would be 500

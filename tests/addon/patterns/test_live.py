@@ -139,7 +139,7 @@ def test_the_weight_of_a_constraint_is_followed():
 
 
 def test_the_newest_value_wins_and_the_steps_between_are_not_kept(monkeypatch):
-    obj, asked, add = striped(lambda: sphere(5)), [], queue.add
+    obj, asked, add = striped(lambda: sphere(4)), [], queue.add
     monkeypatch.setattr(queue, "add", lambda job, *rest, **more: (asked.append(job), add(job, *rest, **more))[1])
     for step in range(1, 5):
         obj.synch.spacing = 0.4 * 1.01**step
@@ -192,11 +192,11 @@ def test_a_changed_mesh_is_refused_and_a_changed_symmetry_too():
 
 
 def test_small_steps_change_little_and_each_begins_where_the_last_one_ended():
-    obj = striped(lambda: sphere(5), spacing=0.2)
+    obj = striped(lambda: sphere(4), spacing=0.3)
     counts, changes = [len(empties(obj, "dislocation"))], []
     for step in range(1, 6):
         before = attribute(obj, "synch_phase")
-        obj.synch.spacing = 0.2 * 1.01**step
+        obj.synch.spacing = 0.3 * 1.01**step
         assert followed() == 1
         changes.append(np.abs(np.cos(attribute(obj, "synch_phase")) - np.cos(before)).mean())
         counts.append(len(empties(obj, "dislocation")))
@@ -216,9 +216,9 @@ def settled(seconds=60.0):
 
 @pytest.mark.parametrize("command", ["stripes", "quads"])
 def test_after_a_rest_a_better_pattern_fades_in_and_is_proved(monkeypatch, command):
-    obj = striped(lambda: sphere(5), command, spacing=0.2)
+    obj = striped(lambda: sphere(4), command, spacing=0.3)
     for step in range(1, 9):
-        obj.synch.spacing = 0.2 * 1.01**step
+        obj.synch.spacing = 0.3 * 1.01**step
         assert followed() == 1
     shown, count = memory.state(obj), len(memory._fields.get(obj)._compact)
     monkeypatch.setattr(live_module, "_REST", 0.0)
@@ -249,14 +249,14 @@ def test_directions_settle_where_guides_have_turned_them(monkeypatch):
 
 
 def test_a_new_setting_ends_what_settles(monkeypatch):
-    obj = striped(lambda: sphere(5), spacing=0.2)
-    obj.synch.spacing = 0.21
+    obj = striped(lambda: sphere(4), spacing=0.3)
+    obj.synch.spacing = 0.31
     assert followed() == 1
     monkeypatch.setattr(live_module, "_REST", 0.0)
     live.step(bpy.context)
     assert live._work is not None and live._work.job.request.settles
-    obj.synch.spacing = 0.22
-    assert followed() == 1 and memory.state(obj).report.settings.spacing == pytest.approx(0.22)
+    obj.synch.spacing = 0.32
+    assert followed() == 1 and memory.state(obj).report.settings.spacing == pytest.approx(0.32)
 
 
 def test_what_a_click_has_solved_does_not_settle(monkeypatch):

@@ -15,13 +15,7 @@ from synch_fields.synch_addon.solids import beads as beads_module
 from synch_fields.synch_addon.solids.beads import LOOKS
 from synch_fields.synch_addon.solids.files import beads_of
 
-from ..solid_objects import attribute, block
-
-
-def placed(obj):
-    """(n, 3) the vertices of an object in the world."""
-    matrix = np.array(obj.matrix_world)
-    return attribute(obj, "position") @ matrix[:3, :3].T + matrix[:3, 3]
+from ..solid_objects import attribute, block, placed
 
 
 def shown_beads(obj):

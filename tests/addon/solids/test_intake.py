@@ -12,7 +12,7 @@ from mathutils import Matrix
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids.surface import read_area, read_surface
 
-from ..solid_objects import attribute
+from ..solid_objects import placed
 
 
 def box(low, high):
@@ -47,12 +47,6 @@ def solved(folder, triangles, *flags):
     run = ["layers", write_stl(folder / "part.stl", triangles), "--quiet", "--report", str(report), *flags]
     assert main.main(run) == 0
     return json.loads(report.read_text())
-
-
-def placed(obj):
-    """(n, 3) the vertices of an object in the world."""
-    matrix = np.array(obj.matrix_world)
-    return attribute(obj, "position") @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 PLATE = box((0, 0, 0), (10, 10, 2))

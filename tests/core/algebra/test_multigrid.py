@@ -45,11 +45,6 @@ def adjoint(units):
     return units.conj() if units.ndim == 1 else units.transpose(0, 2, 1)
 
 
-def node_blocks(matrix, block):
-    """(n, d, d) blocks of a matrix with one block in each block row."""
-    return bsr_matrix(matrix, blocksize=(block, block)).data
-
-
 def diagonal_of(units):
     """The sparse matrix that multiplies every node's rows by its unit."""
     return (

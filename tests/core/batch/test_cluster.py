@@ -9,7 +9,6 @@ import sys
 import pytest
 
 from synch_fields.core.batch.cluster import Cluster
-from synch_fields.core.batch.records import Records
 from synch_fields.core.batch.run import run_rows
 from synch_fields.core.batch.table import entries
 from synch_fields.core.errors import SettingError
@@ -24,14 +23,6 @@ def dask():
     """A cluster of two worker processes."""
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         yield cluster
-
-
-@pytest.fixture
-def records(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    records = Records("batch")
-    records.make_folders()
-    return records
 
 
 def run(wanted, records, dask, retries=1, progress=told):

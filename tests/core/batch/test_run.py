@@ -11,7 +11,6 @@ import time
 import pytest
 
 from synch_fields.core.batch.child_loop import ProcessPool
-from synch_fields.core.batch.records import Records
 from synch_fields.core.batch.rows import Row
 from synch_fields.core.batch.run import Planned, plan, run_rows
 from synch_fields.core.batch.sheet import write_sheet
@@ -20,14 +19,6 @@ from synch_fields.core.errors import SettingError
 from synch_fields.core.files.declared import DeclaredFile
 
 from .children import COMMAND, begun, rows, told
-
-
-@pytest.fixture
-def records(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    records = Records("batch")
-    records.make_folders()
-    return records
 
 
 def run(wanted, records, count=1, retries=1, progress=told, limit=None):

@@ -8,18 +8,12 @@ from scipy.spatial import cKDTree
 from synch_fields.core.extract.pictures.drawn_phases import PARTS, drawn_phases
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
-from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate, face_phases
 
-from ...meshes import icosphere, mixed_torus, quad_torus
-
-
-def triangles_of(mesh):
-    return mesh, Polygons.of_triangles(mesh)
-
+from ...meshes import as_triangles, icosphere, mixed_torus, quad_torus
 
 BUILDS = {
-    "triangles": lambda: triangles_of(icosphere(3)),
+    "triangles": lambda: as_triangles(icosphere(3)),
     "quads": lambda: quad_torus(None),
     "mixed": mixed_torus,
 }

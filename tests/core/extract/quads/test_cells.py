@@ -14,12 +14,7 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate, face_phases
 
 from ...flat_crosses import plane_edge_phases
-from ...meshes import bent_square, cube, icosphere, mixed_torus, quad_cube, square, with_split
-
-
-def as_triangles(mesh):
-    return mesh, Polygons.of_triangles(mesh)
-
+from ...meshes import as_triangles, bent_square, cube, icosphere, mixed_torus, quad_cube, square, with_split
 
 SURFACES = {
     "triangles-sphere": lambda: as_triangles(icosphere(2)),

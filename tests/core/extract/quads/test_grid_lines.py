@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from synch_fields.core.extract.quads.trace.grid_lines import grid_lines
-from synch_fields.core.fields import direction_field, given_directions, quad_pattern
+from synch_fields.core.fields import direction_field, quad_pattern
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import (
     EdgePhases,
@@ -21,16 +21,12 @@ from synch_fields.core.interpolate import (
     face_phases,
 )
 
-from ...flat_crosses import cone, plane_edge_phases, random_edge_phases
+from ...flat_crosses import cone, plane_edge_phases, random_crosses, random_edge_phases
 from ...meshes import annulus, bent_square, cube, disk, double_torus, icosphere, rounded_cube, square, torus
 
 
 def size(mesh):
     return np.linalg.norm(np.ptp(mesh.vertices, axis=0))
-
-
-def random_crosses(mesh, seed=0):
-    return given_directions(mesh, 4, np.random.default_rng(seed).standard_normal((mesh.vertex_count, 3)))
 
 
 def places(mesh, lines):
