@@ -40,6 +40,7 @@ from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSet
 from synch_fields.core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 
 from ..expectation import told_at_once
+from ..geometry.filling.test_thin_walls import block_with_fin
 from ..layered_solids import block
 from ..memory_peak import numbers_of_child
 from ..meshes import CLOSED, cube, icosphere
@@ -109,6 +110,20 @@ def test_groups_lie_on_the_levels_that_fit(divisions):
     heights = [places.mean() for places in heights_of(result.surfaces)]
     np.testing.assert_allclose(heights, z.min() + 0.04 * (np.arange(25) + 0.5), atol=1e-6)
     assert result.pattern.solution.energy < 1e-12
+
+
+@pytest.mark.parametrize("divisions", [1, 4])
+def test_a_fin_beside_a_block_has_its_own_levels(divisions):
+    """The tops of both are one group: 3 and 25 layers above the floor, which is not the same place in a period of 4."""
+    surface, areas = block_with_fin()
+    lengths = Lengths(0.04, 0.1, divisions)
+    asked = tuple(FlushArea(area, np.pi) for area in areas)
+    result = replace(request_in(surface), lengths=lengths, flush_areas=asked).solve()
+    assert result.pattern.solution.energy < 1e-12 and result.surfaces.count == 25
+    heights = [places.mean() for places in heights_of(result.surfaces)]
+    np.testing.assert_allclose(heights, 0.04 * (np.arange(25) + 0.5), atol=1e-6)
+    if divisions > 1:
+        np.testing.assert_allclose(result.surfaces.areas, np.repeat([2, 1], [3, 22]), rtol=1e-2)
 
 
 @pytest.mark.parametrize(("cells", "told"), [(1, True), (6, False)])
