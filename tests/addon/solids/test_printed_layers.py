@@ -40,6 +40,18 @@ def test_a_program_leads_to_the_paths_of_its_machine(layered, tmp_path):
     assert report["tilts"]["high"] == pytest.approx(np.degrees(np.arccos(np.cos(0.3) * np.cos(0.2))), abs=0.1)
 
 
+@pytest.mark.parametrize(("wide", "is_narrow"), [(0.115, True), (0.2, False)])
+def test_beads_narrower_than_the_nozzle_are_told(tmp_path, wide, is_narrow):
+    """A long wall has one bead of its width; a nozzle of 0.22 lays down to three fifths of that."""
+    (tmp_path / "printer.toml").write_text("bore = 0.22\nlargest_height = 1\n")
+    obj = block((wide, 3, 1))
+    api.layers(obj, spacing=0.2, size=0.06)
+    report = api.layer_toolpaths(obj, machine=tmp_path / "printer.toml")
+    assert 0.7 < report["too_narrow"] <= 1 if is_narrow else report["too_narrow"] < 0.01
+    told = [line for line in report["warnings"] if "narrower than 0.13 mm" in line]
+    assert len(told) == is_narrow and not any("take contours" in line for line in report["warnings"])
+
+
 def path_table(obj, folder):
     api.layer_toolpaths(obj, 0.2, path=folder / "paths.csv")
     return folder / "paths.csv"
