@@ -165,7 +165,11 @@ def program_line(report):
     """What a person wants to read of a program."""
     program, five = report["program"], report["machine"]["axes"] != "xyz"
     minutes = round(program["seconds"] / 60)
-    line = f"program: {minutes // 60} h {minutes % 60:02} min, {program['filament'] / 1000:.2f} m of filament"
+    section = math.pi * report["machine"]["filament"] ** 2 / 4
+    volume = program["filament"] * section / 1000
+    # A filament of 1 square millimetre stands for a machine that counts cubic millimetres.
+    used = f"{program['filament'] / 1000:.2f} m of filament, " if abs(section - 1) > 1e-4 else ""
+    line = f"program: {minutes // 60} h {minutes % 60:02} min, {used}{volume:.3g} cm³"
     if not five:
         return line
     return (

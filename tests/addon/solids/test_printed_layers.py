@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
+from synch_fields.core.printing.machine import read_machine
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids import memory
+from synch_fields.synch_addon.solids.report import program_line
 
 from ...core.layered_solids import block as solid_block
 from ..scenes import make_active
@@ -50,6 +52,14 @@ def test_beads_narrower_than_the_nozzle_are_told(tmp_path, wide, is_narrow):
     assert 0.7 < report["too_narrow"] <= 1 if is_narrow else report["too_narrow"] < 0.01
     told = [line for line in report["warnings"] if "narrower than 0.13 mm" in line]
     assert len(told) == is_narrow and not any("take contours" in line for line in report["warnings"])
+
+
+@pytest.mark.parametrize(("machine", "filament"), [("clay", False), ("marlin", True)])
+def test_the_volume_that_is_extruded_is_told(machine, filament):
+    """2 m of filament of 1.75 mm are 4.81 cubic centimetres; of clay 2000 mm are 2 of these."""
+    facts = {"seconds": 60.0, "filament": 2000.0}
+    line = program_line({"program": facts, "machine": vars(read_machine(machine))})
+    assert ("2.00 m of filament, 4.81 cm³" in line) == filament and line.endswith("4.81 cm³" if filament else ", 2 cm³")
 
 
 def path_table(obj, folder):
