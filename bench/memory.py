@@ -77,7 +77,7 @@ def measure(name, size):
         "taken": watch.taken[1],
         "space": watch.taken[0],
         "search": search_bytes(rows, entries, piece.is_complex) / 2**20,
-        "proof": None if width is None else proof_bytes(rows, width, piece.is_complex) / 2**20,
+        "proof": None if width is None else proof_bytes(piece, width) / 2**20,
     }
 
 

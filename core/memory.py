@@ -143,8 +143,11 @@ def peak_megabytes() -> float:
     """Measure the peak memory of this process, MB."""
     if sys.platform == "win32":
         return _windows_process()[1] / 2**20
-    unit = 2**20 if sys.platform == "darwin" else 2**10
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+    if sys.platform == "darwin":
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    # Linux counts in ru_maxrss what the parent had when it started this process.
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(float(line.split()[1]) for line in lines if line.startswith("VmHWM:")) / 2**10
 
 
 def machine_bytes() -> int:

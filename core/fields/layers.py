@@ -35,13 +35,13 @@ class LayerGroup:
     ----------
     vertices : (k,) their vertices, ascending
     triangles : (f, 3) vertices of their triangles
-    phase : radians; None for a free phase, one for each connected piece of the triangles
+    phase : radians, or (k,) of them; None for a free phase, one for each connected piece of the triangles
     name : for messages
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
-    phase: float | None = None
+    phase: float | np.ndarray | None = None
     name: str = "the group"
 
     @property
@@ -217,22 +217,34 @@ class LayerPattern:
 
 
 def choose_levels(one_form: SolidTargetOneForm, groups: Sequence[LayerGroup], divisions: int) -> list[LayerGroup]:
-    """Choose the level of each group of given phase among the ``divisions`` layers of a period of the one-form.
+    """Choose levels for groups of given phase among the ``divisions`` layers of a period of the one-form.
 
-    The first group keeps its level; for each other group the level that fits the one-form best is chosen.
+    The first connected piece of a group keeps its level; for each other piece the level that fits the one-form best is
+    chosen, so that the top of a fin and that of the block beside it lie on layers of their own.
     """
-    held = [group for group in groups if group.phase is not None]
-    levels = {}
-    if divisions > 1 and len(held) > 1:
-        function = potential(one_form.mesh, one_form.changes)
-        heights = [divisions * function[group.vertices].mean() - group.phase for group in held]
-        levels = {id(group): np.rint((height - heights[0]) / TURN) for group, height in zip(held, heights, strict=True)}
-    return [
-        group
-        if group.phase is None
-        else replace(group, phase=(group.phase + TURN * levels.get(id(group), 0)) / divisions)
-        for group in groups
-    ]
+    if divisions == 1:
+        return list(groups)
+    mesh, names, places = one_form.mesh, np.arange(one_form.mesh.vertex_count), {}
+    sides = mesh.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    for number, group in enumerate(groups):
+        if group.phase is not None:
+            is_member = np.isin(np.arange(mesh.vertex_count), group.vertices)
+            labels = components(mesh.vertex_count, sides[is_member[sides].all(axis=1)])[group.vertices]
+            _, first, piece = np.unique(labels, return_index=True, return_inverse=True)
+            places[number] = group.vertices[first], piece.reshape(-1)
+            names[group.vertices] = group.vertices[first][places[number][1]]
+    if not places:
+        return list(groups)
+    # Each piece lies on one level, to which the one-form is fitted.
+    names = np.unique(names, return_inverse=True)[1].reshape(-1)
+    function, start = divisions * potential(mesh, one_form.changes, names), None
+    chosen = list(groups)
+    for number, (firsts, piece) in places.items():
+        heights = function[firsts] - groups[number].phase
+        start = heights[0] if start is None else start
+        levels = np.rint((heights - start) / TURN)[piece]
+        chosen[number] = replace(groups[number], phase=(groups[number].phase + TURN * levels) / divisions)
+    return chosen
 
 
 def solve_layers(
@@ -283,7 +295,7 @@ def pose_layers(
     mesh = one_form.mesh
     links = join_links([group.links for group in groups if group.phase is None])
     given = [
-        (group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase)))
+        (group.name, group.vertices, np.exp(1j * np.broadcast_to(group.phase, len(group.vertices))))
         for group in groups
         if group.phase is not None
     ]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Beads that cover layers: contours or planes a step apart, and beads where contours leave a gap."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -39,6 +39,8 @@ _ROUNDS, _TIP = 3, 0.12
 _GAP = 2
 # Lines, and layers and kinds of these, and half the widths that they have to fill at their points.
 _Found: TypeAlias = tuple[Isolines, np.ndarray, np.ndarray, np.ndarray]
+# Finds the nearest places on the layers, and the triangles that these are in.
+_Nearest: TypeAlias = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,8 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
     first = lines.starts
     inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
-    lines, halves = _moved_apart(lines, layers, level, step)
+    on_layers = NearestTriangles(lines.mesh.vertices, lines.mesh.triangles).nearest
+    lines, halves = _moved_apart(lines, layers, level, on_layers, step)
     found = lines, layers, inner.astype(int), halves
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
@@ -99,8 +102,8 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
     more = medial_beads(mesh, numbers, medial, away, step)
     for left in reversed(range(_ROUNDS + 1)):
         if more:
-            found = _join_beads(found, more, away, rim, step)
-            away = _away(found[0], found[1], step)
+            added = _put_on_layers(lines.mesh, more, away, rim, on_layers, step)
+            found, away = join_lines([found, added]), _away(added[0], added[1], step, away)
         if not left:
             break
         gaps = away(mesh.vertices, at)
@@ -139,7 +142,11 @@ def _without_crowded(
 
 
 def _moved_apart(
-    lines: Isolines, layers: np.ndarray, level: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], step: float
+    lines: Isolines,
+    layers: np.ndarray,
+    level: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    on_layers: _Nearest,
+    step: float,
 ) -> tuple[Isolines, np.ndarray]:
     """Contours beside :func:`level_pieces` in the middle between these and the next contours, and half their widths."""
     begins, ends, of, ways = level
@@ -154,9 +161,7 @@ def _moved_apart(
     sides *= np.sign(np.einsum("kx,kx->k", sides, points[moved] - begins[nearest[moved]]))[:, None]
     ways_on = step * (0.5 - way[moved]) / 2
     halves[moved] -= ways_on
-    found, triangles = NearestTriangles(lines.mesh.vertices, lines.mesh.triangles).nearest(
-        points[moved] + ways_on[:, None] * sides
-    )
+    found, triangles = on_layers(points[moved] + ways_on[:, None] * sides)
     made, weights = lines.triangles.copy(), lines.weights.copy()
     made[moved], weights[moved] = triangles, barycentric(lines.mesh, triangles, found)
     return replace(lines, triangles=made, weights=weights), halves
@@ -176,10 +181,10 @@ def without_straight_points(lines: Isolines, longest: float) -> Isolines:
     return lines.with_points(np.flatnonzero(kept), sizes, lines.ends)
 
 
-def _away(lines: Isolines, layers: np.ndarray, step: float) -> BeadDistances:
-    """:class:`BeadDistances` of lines."""
+def _away(lines: Isolines, layers: np.ndarray, step: float, others: BeadDistances | None = None) -> BeadDistances:
+    """:class:`BeadDistances` of lines, and of others."""
     points = lines.points
-    return BeadDistances(points, points[lines.next], layers[lines.numbers], step)
+    return BeadDistances(points, points[lines.next], layers[lines.numbers], step, others)
 
 
 def _widths(lines: Isolines) -> np.ndarray:
@@ -210,30 +215,34 @@ def distances_to_rims(surfaces: LayerSurfaces, step: float) -> BeadDistances:
     return BeadDistances(begins, ends, layers, step)
 
 
-def _join_beads(found: _Found, more: list[Polyline], away: BeadDistances, rim: BeadDistances, step: float) -> _Found:
-    """Add beads, put onto the layers, to the lines, layers, kinds and half widths found; all are ordered by layer."""
-    if not more:
-        return found
-    mesh = found[0].mesh
+def _put_on_layers(
+    mesh: TriangleMesh,
+    more: list[Polyline],
+    away: BeadDistances,
+    rim: BeadDistances,
+    on_layers: _Nearest,
+    step: float,
+) -> _Found:
+    """Beads that fill gaps as lines on the layers' mesh, with their layers, kinds and half widths."""
     points = np.concatenate([bead.points for bead in more])
     sizes, of = np.array([len(bead.points) for bead in more]), np.array([bead.layer for bead in more])
-    at, nearest = np.repeat(of, sizes), NearestTriangles(mesh.vertices, mesh.triangles).nearest
+    at = np.repeat(of, sizes)
 
     def clear(places: np.ndarray) -> np.ndarray:
         return np.minimum(away(places, at) - step / 2, rim(places, at))
 
     # Into the middle between what is beside them.
     along = np.concatenate([np.gradient(bead.points, axis=0) for bead in more])
-    sides = unit_vectors(np.cross(mesh.face_normals[nearest(points)[1]], along))
+    sides = unit_vectors(np.cross(mesh.face_normals[on_layers(points)[1]], along))
     reach = np.maximum(clear(points), 0)[:, None] / 2 * sides
     off = np.clip((clear(points + reach) - clear(points - reach)) / 2, -_OTHER * step, _OTHER * step)
     points = points + off[:, None] * sides
     free = clear(points)
-    places, triangles = nearest(points)
+    places, triangles = on_layers(points)
     ends = np.array([[End.CLOSED if bead.closed else End.BOUNDARY] * 2 for bead in more])
     added = Isolines(mesh, triangles, barycentric(mesh, triangles, places), sizes, ends)
     halves = np.clip(free, NARROWEST * step / 2, WIDEST * step / 2)
-    return join_lines([found, (added, of, np.full(len(more), _GAP), halves)])
+    return added, of, np.full(len(more), _GAP), halves
 
 
 def join_lines(parts: Sequence[_Found]) -> _Found:

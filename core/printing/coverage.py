@@ -35,9 +35,18 @@ class BeadDistances:
     begins, ends : (k, 3) of straight pieces of beads
     layers : (k,) of these
     step : between beads
+    others : distances to more beads, of which only :meth:`__call__` knows
     """
 
-    def __init__(self, begins: np.ndarray, ends: np.ndarray, layers: np.ndarray, step: float) -> None:
+    def __init__(
+        self,
+        begins: np.ndarray,
+        ends: np.ndarray,
+        layers: np.ndarray,
+        step: float,
+        others: "BeadDistances | None" = None,
+    ) -> None:
+        self._others = others
         piece, points = divide_pieces(begins, ends, step / _PARTS)
         points, layers = np.concatenate([points, ends]), np.concatenate([layers[piece], layers])
         self._pieces = np.append(piece, np.arange(len(ends)))
@@ -48,13 +57,15 @@ class BeadDistances:
 
     def __call__(self, points: np.ndarray, layers: np.ndarray) -> np.ndarray:
         """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead."""
-        return self.nearest(points, layers)[0]
+        own = self.nearest(points, layers)[0]
+        return own if self._others is None else np.minimum(own, self._others(points, layers))
 
-    def nearest(self, points: np.ndarray, layers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same, and (n,) the piece that is nearest, -1 for none."""
+    def nearest(self, points: np.ndarray, layers: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and (n,) the piece that is nearest, -1 for none; infinite also from the distance ``within`` on."""
         if self._tree is None or len(points) == 0:
             return np.full(len(points), np.inf), np.full(len(points), -1)
-        found, at = self._tree.query(np.column_stack([points, self._apart * layers]), workers=WORKERS)
+        places = np.column_stack([points, self._apart * layers])
+        found, at = self._tree.query(places, distance_upper_bound=within, workers=WORKERS)
         near = found < self._apart / 2
         return np.where(near, found, np.inf), np.where(near, self._pieces[np.where(near, at, 0)], -1)
 
@@ -88,10 +99,12 @@ def share_area(
     areas = mesh.areas[triangle] / np.bincount(triangle)[triangle]
     points, following, of = lines.points, lines.next, numbers[lines.numbers]
     found, piece = np.full(len(samples), np.inf), np.full(len(samples), -1)
+    # Places count that are nearer to where a side is wanted than half a step, or in the widest bead.
+    within = COVERED * WIDEST * step + halves.max(initial=0)
     for rows in (np.flatnonzero(~is_gap), np.flatnonzero(is_gap)):
         if len(rows):
             away = BeadDistances(points[rows], points[following[rows]], of[rows], step)
-            distances, nearest = away.nearest(samples, layers[triangle])
+            distances, nearest = away.nearest(samples, layers[triangle], within)
             over = distances - halves[rows[nearest]]
             better = over < found
             found[better], piece[better] = over[better], rows[nearest[better]]

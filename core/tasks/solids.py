@@ -18,7 +18,8 @@ from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..geometry import TriangleMesh
 from ..geometry.filling.closed_surface import Area, ClosedSurface
-from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
+from ..geometry.filling.lengths import Estimate, Lengths, Measures
+from ..geometry.filling.stuffing import estimated_tets
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
@@ -27,6 +28,7 @@ from ..printing.flush import FAR, far_share
 from ..refinement.spacing import COARSE_SHARE
 from ..solution import Clock
 from ..solve import Options
+from .solid_memory import LayerMemory, layer_memory
 
 # Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, and of
 # its volume where the guide has no direction.
@@ -40,10 +42,11 @@ _GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
 @dataclass(frozen=True)
 class SolidGuide:
     """What layers follow: its name in errors, and a function that can be pickled (:mod:`..fields.guidance.filled`),
-    whose result are (n, 3) vectors at the solid's vertices."""
+    whose result are (n, 3) vectors at the solid's vertices; ``is_axis`` says that these are all the same."""
 
     label: str
     compute: Callable[[FilledSurface], np.ndarray]
+    is_axis: bool = False
 
     def directions(self, filled: FilledSurface) -> tuple[np.ndarray, float]:
         """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they continue those around."""
@@ -101,9 +104,9 @@ class SolidRequest:
         """Fill the surface, solve and extract; Cancelled when ``progress`` returns False, SynchError for everything
         else, insufficient memory included."""
         monitor, clock = Monitor(progress), Clock()
-        expected = self.estimate
-        check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
-        expect(progress, TET_SECONDS * expected.tets)
+        tets = self.estimate.tets
+        check_memory(self.memory.needed, f"a solve of layers in {tets:,} tetrahedra")
+        expect(progress, TET_SECONDS * tets)
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
             solid = monitor.during(self._fill)
@@ -145,10 +148,18 @@ class SolidRequest:
 
     @property
     def estimate(self) -> Estimate:
-        """The :class:`Estimate` of the solid and its solve."""
-        if self.solid is None:
-            return estimate(self.surface.distance, self.lengths.size)
-        return Estimate(self.lengths.size, self.solid.tet_count, SOLVED_BYTES * self.solid.tet_count)
+        """The :class:`Estimate` of the solid and its solve, with a proof where one is tried."""
+        distance, size = self.surface.distance, self.lengths.size
+        tets = estimated_tets(distance.volume, size, distance.area) if self.solid is None else self.solid.tet_count
+        return Estimate(size, tets, self.memory.expected)
+
+    @property
+    def memory(self) -> LayerMemory:
+        """Memory that the solve takes."""
+        # Directions of an axis have no curl, and a layer on one area only does not add any.
+        is_searched = not self.guide.is_axis or self.factors is not None or len(self.flush_areas) > 1
+        mesh, tets = self.surface.distance.mesh, None if self.solid is None else self.solid.tet_count
+        return layer_memory(Measures.of(mesh.vertices, mesh.triangles), self.lengths, is_searched, tets)
 
     def _fill(self) -> TetMesh:
         if self.solid is not None:

@@ -6,8 +6,10 @@ from functools import partial
 import bpy
 import numpy as np
 
-from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
+from ...core.errors import SettingError
+from ...core.geometry.filling.lengths import Lengths, Measures, estimate
 from ...core.settings.layers import LayerSettings
+from ...core.tasks.solid_memory import layer_memory
 from ...core.tasks.solids import TET_SECONDS
 from ..blender.attributes import read_all
 from ..blender.meshes import refusal
@@ -111,11 +113,16 @@ def _draw_expected(layout, obj):
     stored, measures = obj.synch_layering, _measures(obj)
     if measures.volume <= 0:
         return
-    expected = estimate(measures, None if stored.automatic_size else stored.size)
-    if stored.automatic_size and not stored.automatic_spacing:
-        expected = estimate(measures, min(expected.size, stored.spacing / EDGES_PER_LAYER))
-    layout.label(text=translate("About {tets:,} tetrahedra", tets=expected.tets), icon="MESH_ICOSPHERE")
-    draw_estimate(layout, "Layers", TET_SECONDS * expected.tets, expected.megabytes)
+    given = (None if getattr(stored, LENGTHS[name]) else getattr(stored, name) for name in ("spacing", "size"))
+    try:
+        lengths = Lengths.of(measures, *given)
+    except SettingError:  # the operator says what is wrong
+        return
+    tets = estimate(measures, lengths.size).tets
+    is_searched = stored.guide != "AXIS" or bool(stored.spacing_map) or len(stored.groups) > 1
+    size = layer_memory(measures, lengths, is_searched).expected
+    layout.label(text=translate("About {tets:,} tetrahedra", tets=tets), icon="MESH_ICOSPHERE")
+    draw_estimate(layout, "Layers", TET_SECONDS * tets, size / 2**20)
 
 
 def _measures(obj):

@@ -78,7 +78,7 @@ def _read(obj, settings, solid):
     surface = read_surface(obj, settings.strict)
     given, distance, factors, lowest = surface.given, surface.distance, None, 1.0
     solid = None if solid is None else fit_solid(obj, surface, solid)
-    guide = SolidGuide(settings.guidance, read_guide(obj, given, settings.guide))
+    guide = SolidGuide(settings.guidance, read_guide(obj, given, settings.guide), settings.guide.kind == "axis")
     flush_areas = [FlushArea(read_area(obj, given, row.group), row.phase) for row in settings.flush]
     if settings.spacing_map:
         factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)

@@ -9,14 +9,16 @@ import numpy as np
 from ...core.fields.evenness import quantiles
 from ...core.files.json_text import plain
 from ...core.geometry.polylines import close_polyline, polyline_length
+from ...core.printing.gcode import INNER
+from ...core.printing.plan import KINDS
 from ..jobs.report import count_text
 
 # Warnings come from this share of the paths' length on, and below this share of the layers' area; largest number of
 # places in a report.
 TOLD, COVERED, MOST_PLACES = 0.001, 0.99, 20
 # Warnings come from this difference of the beads' volume from the solid's on, as a share of it, and outside these
-# widths of beads, over the nozzle's opening.
-VOLUME, WIDTHS = 0.02, (0.6, 2.0)
+# widths of beads, over the nozzle's opening; and from this share of the paths' length on whose beads are narrower.
+VOLUME, WIDTHS, NARROW = 0.02, (0.6, 2.0), 0.05
 
 
 def layer_facts(layering):
@@ -52,12 +54,14 @@ def print_facts(plan):
     thin = plan.is_printed & (heights < machine.smallest_height)
     thick = heights > machine.largest_height
     steep = plan.tilts > machine.largest_tilt
+    narrow = plan.is_printed & (plan.widths * machine.scale < WIDTHS[0] * machine.bore)
     facts = {
         "volume": {"solid": plan.volume, "beads": plan.printed_volume, "share": plan.printed_volume / plan.volume},
         "covered": plan.covered_share,
         "least_covered": {"layer": worst, "share": float(plan.covered[worst])},
         "heights": _spread_of(plan.heights, plan.shares),
         "tilts": _spread_of(plan.tilts, plan.shares),
+        "too_narrow": float(plan.shares[narrow].sum()),
         "too_thin": float(plan.shares[thin].sum()),
         "too_thick": float(plan.shares[thick].sum()),
         "too_steep": float(plan.shares[steep].sum()),
@@ -65,7 +69,8 @@ def print_facts(plan):
         "collisions": _places(plan, plan.collided),
         "machine": {name: value for name, value in dataclasses.asdict(machine).items() if value != math.inf},
     }
-    return facts | {"warnings": list(_about_print(facts, plan.step * machine.scale))}
+    has_contours = bool((plan.kinds != KINDS.index(INNER)).any())
+    return facts | {"warnings": list(_about_print(facts, plan.step * machine.scale, has_contours))}
 
 
 def program_facts(program):
@@ -96,7 +101,7 @@ def _places(plan, chosen):
     return {"share": float(plan.shares[chosen].sum()), "pieces": len(runs), "places": places}
 
 
-def _about_print(facts, step):
+def _about_print(facts, step, has_contours):
     machine, share = facts["machine"], facts["volume"]["share"]
     if machine["infill"] == 1 and abs(share - 1) > VOLUME:
         remedy = "reduce the step" if share < 1 else "take fewer or lower layers, or a smaller step"
@@ -107,11 +112,16 @@ def _about_print(facts, step):
             f"beads of {step:.3g} mm do not come from a nozzle of {bore:g} mm: give a step of "
             f"{bore / machine['scale']:.3g}, or another machine"
         )
+    elif facts["too_narrow"] > NARROW:
+        yield (
+            f"{facts['too_narrow']:.0%} of the paths have beads narrower than {WIDTHS[0] * bore:.2g} mm, which do not "
+            f"come from a nozzle of {bore:g} mm: take a smaller nozzle, or thicken what is thin"
+        )
     if facts["covered"] < COVERED:
         least = facts["least_covered"]
         yield (
             f"the paths cover {facts['covered']:.1%} of the layers, {least['share']:.0%} of layer {least['layer']}: "
-            "reduce the step, or take contours"
+            + ("reduce the step" if has_contours else "reduce the step, or take contours")
         )
     largest = machine.get("largest_height", math.inf)
     for kind, words, remedy in (
@@ -155,7 +165,11 @@ def program_line(report):
     """What a person wants to read of a program."""
     program, five = report["program"], report["machine"]["axes"] != "xyz"
     minutes = round(program["seconds"] / 60)
-    line = f"program: {minutes // 60} h {minutes % 60:02} min, {program['filament'] / 1000:.2f} m of filament"
+    section = math.pi * report["machine"]["filament"] ** 2 / 4
+    volume = program["filament"] * section / 1000
+    # A filament of 1 square millimetre stands for a machine that counts cubic millimetres.
+    used = f"{program['filament'] / 1000:.2f} m of filament, " if abs(section - 1) > 1e-4 else ""
+    line = f"program: {minutes // 60} h {minutes % 60:02} min, {used}{volume:.3g} cm³"
     if not five:
         return line
     return (

@@ -5,6 +5,7 @@
 import math
 import sys
 
+import numpy as np
 import pytest
 
 from synch_fields.core import memory
@@ -85,10 +86,20 @@ def test_a_proof_that_does_not_fit_is_not_tried(monkeypatch):
     (piece,) = problem.pieces
     width = certificate.provable_width(piece)
     for more, expected in ((1, width), (-1, None)):
-        size = proof_bytes(642, width, True) + more
+        size = proof_bytes(piece, width) + more
         monkeypatch.setattr(certificate, "room", leaving(size))
         assert certificate.provable_width(piece) == expected
     assert solve(problem).certificate == "estimated"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
+def test_the_peak_of_a_process_is_its_own():
+    """Not that of the process that started it; what was freed again counts."""
+    large = np.ones(40_000_000)
+    code = (
+        "import numpy as np; from synch_fields.core import memory; np.ones(20_000_000); print(memory.peak_megabytes())"
+    )
+    assert large.nbytes / 2**20 > 300 > numbers_of_child(code)[0] > 150
 
 
 MEASURE = """
@@ -120,3 +131,28 @@ def test_a_solve_takes_no_less_than_was_estimated():
     """But for what was left over before; small meshes take up to about three times as much."""
     (share,) = numbers_of_child(MEASURE)
     assert 0.75 <= share < 4
+
+
+MEASURE_PROOF = """
+import numpy as np
+from scipy.sparse import eye_array
+from synch_fields.core.algebra.factorization import front_width, is_positive_definite
+from synch_fields.core.fields.layers import layer_problem
+from synch_fields.core.memory import peak_megabytes, used_bytes
+from synch_fields.core.solve.methods.memory_estimate import proof_bytes
+from synch_fields.tests.core.layered_solids import block
+solid = block((24, 18, 18), (1.3, 1, 1))
+(piece,) = layer_problem(solid, np.tile([0, 0, 1.0], (solid.vertex_count, 1)), 0.3).pieces
+width = front_width(piece.matrix)
+is_positive_definite(piece.matrix[:50, :50])  # loads SciPy's modules
+before = used_bytes()
+is_positive_definite((piece.matrix + eye_array(piece.matrix.shape[0])).tocsr())
+print((2**20 * peak_megabytes() - before) / proof_bytes(piece, width))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
+def test_a_proof_in_a_solid_takes_about_as_much_as_was_estimated():
+    """Fronts fill in there: eight times as many entries for each row and row of a front as on a surface."""
+    (share,) = numbers_of_child(MEASURE_PROOF)
+    assert 0.5 < share < 1.5

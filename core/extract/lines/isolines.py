@@ -110,7 +110,8 @@ class Isolines:
     @property
     def steps(self) -> np.ndarray:
         """(n,) distance from each point to the :attr:`next`."""
-        return np.linalg.norm(self.points[self.next] - self.points, axis=1)
+        points = self.points
+        return np.linalg.norm(points[self.next] - points, axis=1)
 
     @property
     def arc_lengths(self) -> np.ndarray:

@@ -13,6 +13,7 @@ from ..tet_mesh import TetMesh
 from ..triangle_mesh import TriangleMesh
 from .features import sharpen_edges
 from .surface_distance import SurfaceDistance
+from .thin_walls import refine_thin_walls
 from .topology_check import fill_with_same_topology, more_holes
 
 
@@ -53,12 +54,14 @@ class ClosedSurface:
     def filled(self, size: float, areas: Sequence[Area] = ()) -> TetMesh:
         """Fill the surface with tetrahedra of a size, which follow its sharp edges and the outlines of areas.
 
-        Errors as :func:`fill_with_same_topology`.
+        In thin walls between areas they are smaller (:mod:`.thin_walls`). Errors as :func:`fill_with_same_topology`.
         """
         labels = np.zeros(self.mesh.triangle_count, int)  # one bit for each area
         for number, area in enumerate(areas):
             labels[area.triangles] += 1 << number
-        return sharpen_edges(fill_with_same_topology(self.distance, size), self.mesh, self.distance.nearest, labels)
+        nearest = self.distance.nearest
+        solid = sharpen_edges(fill_with_same_topology(self.distance, size), self.mesh, nearest, labels)
+        return refine_thin_walls(solid, self.mesh, nearest, labels > 0) if len(areas) else solid
 
     def more_holes(self, solid: TetMesh) -> int:
         """Count the holes that a solid has more than the surface; negative if it has fewer."""

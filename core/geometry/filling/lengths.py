@@ -28,11 +28,13 @@ UNDIVIDED_TETS = 1_200_000
 
 
 class Measures(NamedTuple):
-    """Volume inside a surface, its area, and the (2, 3) lowest and highest corner of its box."""
+    """Volume inside a surface, its area, the (2, 3) lowest and highest corner of its box, and the (3,) edges, longest
+    first, of the box with the same moments of inertia as the volume."""
 
     volume: float
     area: float
     bounds: np.ndarray
+    extents: np.ndarray
 
     @classmethod
     def of(cls, vertices: np.ndarray, triangles: np.ndarray) -> Self:
@@ -40,10 +42,17 @@ class Measures(NamedTuple):
         vertices = vertices - vertices.mean(axis=0)
         a, b, c = np.moveaxis(vertices[triangles], 1, 0)
         normals = np.cross(b - a, c - a)
+        # Six times the signed volumes of tetrahedra between the triangles and the origin, which add up to the solid.
+        signed = np.einsum("tx,tx->t", a, normals)
+        volume, sums = signed.sum() / 6, a + b + c
+        moments = np.einsum("t,ptx,pty->xy", signed, np.stack([sums, a, b, c]), np.stack([sums, a, b, c])) / 120
+        centre = signed @ sums / 24
+        spread = (moments - np.outer(centre, centre) / volume) / volume if volume else np.zeros((3, 3))
         return cls(
-            abs(float(np.einsum("tx,tx->", a, normals))) / 6,
+            abs(float(volume)),
             float(np.linalg.norm(normals, axis=1).sum()) / 2,
             np.array([vertices.min(axis=0), vertices.max(axis=0)]),
+            np.sqrt(12 * np.maximum(np.linalg.eigvalsh(spread)[::-1], 0)),
         )
 
 
@@ -85,13 +94,13 @@ class Lengths(NamedTuple):
     @classmethod
     def of(
         cls,
-        distance: SurfaceDistance,
+        distance: SurfaceDistance | Measures,
         spacing: float | None,
         size: float | None,
         lowest: float = 1.0,
         divisions: int | None = None,
     ) -> Self:
-        """Choose both for a surface that is to be filled, automatically if they are None.
+        """Choose both for a surface that is to be filled, or its measures, automatically if they are None.
 
         Raises SettingError for a spacing that is larger than the surface or too fine for the size, and a size that
         makes no solid, or more than a machine can hold.
@@ -122,7 +131,7 @@ class Lengths(NamedTuple):
     @classmethod
     def carried(
         cls,
-        distance: SurfaceDistance,
+        distance: SurfaceDistance | Measures,
         spacing: float | None,
         size: float,
         lowest: float = 1.0,
@@ -163,7 +172,7 @@ def _size_for_tets(measures: SurfaceDistance | Measures, tets: int) -> float:
     return high
 
 
-def _refuse_size(distance: SurfaceDistance, size: float) -> None:
+def _refuse_size(distance: SurfaceDistance | Measures, size: float) -> None:
     """Refuse a size that makes no solid, or more than a machine can hold."""
     if not (np.isfinite(size) and size > 0):
         raise SettingError(f"the tetrahedra's size is {size:g}: give a positive length")

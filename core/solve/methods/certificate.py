@@ -25,17 +25,16 @@ from ...errors import SynchError
 from ...memory import room
 from ...monitor import Monitor
 from ...piece import Piece
-from .memory_estimate import proof_bytes
+from .memory_estimate import is_solid_front, proof_bytes
 from .stage import Workspace
 
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex (True)
 # or real numbers: some ten seconds.
 LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
-# In solids, whose fronts have more nodes than this multiple of the root of all nodes (on surfaces at most 4.04 was
-# measured), no order of elimination is much better than a sweep: a proof takes as long as about rows * width^2 /
+# In solids no order of elimination is much better than a sweep: a proof takes as long as about rows * width^2 /
 # (25 nnz) products of L with all columns (measured, within a factor of 2, from 6k to 30k rows), against some 400 for
 # the relaxation. It is tried up to a thousand.
-SURFACE_FRONT, LONGEST_SWEEP = 4.1, 25_000
+LONGEST_SWEEP = 25_000
 # Rounding error of a row in a factorization, in units of the diagonal's last digit, for each row of a front.
 ROUNDINGS = 4
 # Rows up to which the search space for negative directions is kept in double precision.
@@ -203,12 +202,16 @@ def provable_width(piece: Piece, long_proofs: bool = False) -> int | None:
     if not piece.reductions.is_whole or (rows > LARGEST_PROOF and not long_proofs):
         return None
     width: int = front_width(piece.matrix)
-    is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
-    is_long = width > WIDEST_PROOF[piece.is_complex]
-    is_long |= is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz
-    if (is_long and not long_proofs) or proof_bytes(rows, width, piece.is_complex) > room().usable:
+    is_solid = is_solid_front(piece.node_count, width / piece.block)
+    is_long = takes_long(width, piece.matrix.nnz / rows, is_solid, piece.is_complex)
+    if (is_long and not long_proofs) or proof_bytes(piece, width) > room().usable:
         return None
     return width
+
+
+def takes_long(width: float, row_entries: float, is_solid: bool, is_complex: bool) -> bool:
+    """Whether a factorization with so wide a front, of rows with so many entries, takes too long for a proof."""
+    return width > WIDEST_PROOF[is_complex] or (is_solid and width**2 > LONGEST_SWEEP * row_entries)
 
 
 def prove(piece: Piece, shift: float, duals: np.ndarray, depth: float, width: int) -> bool:

@@ -6,13 +6,21 @@ a proof with the rows and the width of its front. The numbers were measured on l
 twice as much (bench/memory.py, bench/README.md).
 """
 
+import numpy as np
+
 from ...memory import check_memory
+from ...piece import Piece
 from ...problem import SynchronizationProblem
 
 # Bytes for each row, and for each entry of the matrix, of complex numbers (True) and of real ones.
 _SEARCH = {True: (3000, 100), False: (1500, 80)}
-# Bytes of a factorization for each row, and row of the widest front.
+# Bytes of a factorization for each row, and row of the widest front: on surfaces, and in solids, where nearly whole
+# fronts fill in (measured there: 26 to 57, complex).
 _PROOF = {True: 5, False: 3}
+_SOLID_PROOF = {True: 45, False: 27}
+# In solids, fronts have more nodes than this multiple of the root of all nodes (on surfaces at most 4.04 was measured),
+# or rows have more blocks: 7 on surfaces, 11 to 15 between tetrahedra.
+SURFACE_FRONT, SURFACE_ROW = 4.1, 10.0
 
 
 def search_bytes(rows: int, entries: int, is_complex: bool) -> int:
@@ -26,9 +34,16 @@ def connection_bytes(nodes: int, edges: int, block: int, is_complex: bool) -> in
     return search_bytes(nodes * block, (nodes + 2 * edges) * block**2, is_complex)
 
 
-def proof_bytes(rows: int, width: int, is_complex: bool) -> int:
+def proof_bytes(piece: Piece, width: int) -> int:
     """Additional bytes of a factorization whose widest front has ``width`` rows."""
-    return _PROOF[is_complex] * rows * width
+    rows, nodes, block = piece.matrix.shape[0], piece.node_count, piece.block
+    is_solid = is_solid_front(nodes, width / block) or piece.matrix.nnz > SURFACE_ROW * nodes * block**2
+    return int((_SOLID_PROOF if is_solid else _PROOF)[piece.is_complex] * rows * width)
+
+
+def is_solid_front(nodes: float, width: float) -> bool:
+    """Whether a front of so many nodes is wider than on a surface."""
+    return bool(width > SURFACE_FRONT * np.sqrt(nodes))
 
 
 def check_problem_memory(problem: SynchronizationProblem) -> None:

@@ -264,7 +264,7 @@ class _Search:
         """Whether there is memory for a proof and the search for phases at the same time."""
         piece = self._workspace.piece
         rows, entries = piece.matrix.shape[0], piece.matrix.nnz
-        both = search_bytes(rows, entries, piece.is_complex) + proof_bytes(rows, width, piece.is_complex)
+        both = search_bytes(rows, entries, piece.is_complex) + proof_bytes(piece, width)
         return both <= room().usable
 
     def _add_columns(self, directions: np.ndarray) -> None:

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
+from synch_fields.core.printing.machine import read_machine
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids import memory
+from synch_fields.synch_addon.solids.report import program_line
 
 from ...core.layered_solids import block as solid_block
 from ..scenes import make_active
@@ -38,6 +40,26 @@ def test_a_program_leads_to_the_paths_of_its_machine(layered, tmp_path):
     assert report["covered"] > 0.95 and report["machine"]["scale"] == 100
     assert report["heights"]["high"] == pytest.approx(SPACING, rel=1e-3)
     assert report["tilts"]["high"] == pytest.approx(np.degrees(np.arccos(np.cos(0.3) * np.cos(0.2))), abs=0.1)
+
+
+@pytest.mark.parametrize(("wide", "is_narrow"), [(0.115, True), (0.2, False)])
+def test_beads_narrower_than_the_nozzle_are_told(tmp_path, wide, is_narrow):
+    """A long wall has one bead of its width; a nozzle of 0.22 lays down to three fifths of that."""
+    (tmp_path / "printer.toml").write_text("bore = 0.22\nlargest_height = 1\n")
+    obj = block((wide, 3, 1))
+    api.layers(obj, spacing=0.2, size=0.06)
+    report = api.layer_toolpaths(obj, machine=tmp_path / "printer.toml")
+    assert 0.7 < report["too_narrow"] <= 1 if is_narrow else report["too_narrow"] < 0.01
+    told = [line for line in report["warnings"] if "narrower than 0.13 mm" in line]
+    assert len(told) == is_narrow and not any("take contours" in line for line in report["warnings"])
+
+
+@pytest.mark.parametrize(("machine", "filament"), [("clay", False), ("marlin", True)])
+def test_the_volume_that_is_extruded_is_told(machine, filament):
+    """2 m of filament of 1.75 mm are 4.81 cubic centimetres; of clay 2000 mm are 2 of these."""
+    facts = {"seconds": 60.0, "filament": 2000.0}
+    line = program_line({"program": facts, "machine": vars(read_machine(machine))})
+    assert ("2.00 m of filament, 4.81 cm³" in line) == filament and line.endswith("4.81 cm³" if filament else ", 2 cm³")
 
 
 def path_table(obj, folder):

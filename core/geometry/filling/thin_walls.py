@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smaller tetrahedra in thin walls, so that what is given on both sides leaves vertices between them.
+
+Tetrahedra are bisected at their longest edges, and with each the neighbours around that edge; where an edge that is
+divided is not the longest of a neighbour, the neighbour's longest edge is divided too (Rivara, "Algorithms for refining
+triangular grids suitable for adaptive and multigrid techniques", 1984), so that the sizes fall off gradually.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...graphs import pairs_within
+from ...unit_vectors import unit_vectors
+from ..nearest import nearest_in_triangles
+from ..tet_mesh import TET_EDGES, TetMesh, signed_volumes
+from ..triangle_mesh import TriangleMesh
+
+# Walls are divided that are thinner than so many mean edges, until the longest edge in them is this share of their
+# thickness; the number of tetrahedra grows by this factor at most.
+THIN, SHARE, MOST = 2.0, 0.5, 2.0
+# Sides of a wall look apart by this cosine, and a way across it is along their normals by that one.
+_APART, _ALONG = -0.8, 0.8
+# Rounds of bisections: three of them halve the edges.
+_ROUNDS = 12
+_BATCH = 4096
+
+
+def refine_thin_walls(
+    solid: TetMesh, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray], chosen: np.ndarray
+) -> TetMesh:
+    """Divide the tetrahedra in thin walls of a solid whose two sides are both chosen; elsewhere it stays as it is.
+
+    Parameters
+    ----------
+    solid : its boundary vertices lie on the surface
+    mesh : the closed surface
+    nearest : (k, 3) points -> (k,) nearest triangles
+    chosen : (m,) bool of the surface's triangles
+    """
+    limit = THIN * float(solid.edge_lengths.mean())
+    wanted = SHARE * _thickness(solid, mesh, nearest, chosen, limit)
+    most = MOST * solid.tet_count
+    for _ in range(_ROUNDS):
+        lengths = solid.edge_lengths[solid.tet_edges]
+        is_large = lengths.max(axis=1) > wanted[solid.tets].max(axis=1)
+        if not is_large.any():
+            break
+        marked = _edges_to_divide(solid, is_large)
+        finer = _divide(solid, marked, mesh, nearest)
+        if finer.tet_count > most:
+            break
+        wanted, solid = np.append(wanted, wanted[solid.edges[marked]].max(axis=1)), finer
+    return solid
+
+
+def _thickness(
+    solid: TetMesh, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray], chosen: np.ndarray, limit: float
+) -> np.ndarray:
+    """(n,) thickness of the wall around each vertex, as far as it is below the limit, infinite elsewhere."""
+    result = np.full(solid.vertex_count, np.inf)
+    boundary = np.flatnonzero(solid.boundary_vertices)
+    faces = nearest(solid.vertices[boundary])
+    boundary = boundary[chosen[faces]]
+    if not len(boundary):
+        return result
+    normals = np.zeros((solid.vertex_count, 3))
+    triangles = solid.boundary_triangles
+    a, b, c = np.moveaxis(solid.vertices[triangles], 1, 0)
+    np.add.at(normals, triangles, np.cross(b - a, c - a)[:, None])
+    normals, places = unit_vectors(normals[boundary]), solid.vertices[boundary]
+    tree, ways = cKDTree(places), np.full(len(boundary), np.inf)
+    for part in np.array_split(np.arange(len(boundary)), len(boundary) // _BATCH + 1):
+        row, other = pairs_within(tree, places[part], limit)
+        row = part[row]
+        across = places[row] - places[other]
+        lengths = np.linalg.norm(across, axis=1)
+        inwards = np.einsum("kx,kx->k", across, normals[row])
+        is_wall = (np.einsum("kx,kx->k", normals[row], normals[other]) < _APART) & (inwards > _ALONG * lengths)
+        np.minimum.at(ways, row[is_wall], inwards[is_wall])
+    walls = np.flatnonzero(np.isfinite(ways))
+    if len(walls):
+        away, found = cKDTree(places[walls]).query(solid.vertices, distance_upper_bound=limit)
+        near = np.flatnonzero(np.isfinite(away))
+        near = near[away[near] <= ways[walls[found[near]]]]
+        result[near] = ways[walls[found[near]]]
+    return result
+
+
+def _edges_to_divide(solid: TetMesh, is_large: np.ndarray) -> np.ndarray:
+    """Find the longest edges of (m,) large tetrahedra, and of the tetrahedra at edges that are divided."""
+    rank = np.empty(len(solid.edges), int)
+    rank[np.argsort(solid.edge_lengths, kind="stable")] = np.arange(len(solid.edges))
+    ranks = rank[solid.tet_edges]
+    longest = solid.tet_edges[np.arange(solid.tet_count), ranks.argmax(axis=1)]
+    marked = np.zeros(len(solid.edges), bool)
+    marked[longest[is_large]] = True
+    while True:
+        more = marked[solid.tet_edges].any(axis=1) & ~marked[longest]
+        if not more.any():
+            return np.flatnonzero(marked)
+        marked[longest[more]] = True
+
+
+def _divide(
+    solid: TetMesh, marked: np.ndarray, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray]
+) -> TetMesh:
+    """Divide edges in their middles, those of the boundary on the surface, and the tetrahedra at them, at the longest
+    edges first, so that both sides of a face divide it alike."""
+    count = solid.vertex_count
+    marked = marked[np.argsort(solid.edge_lengths[marked], kind="stable")]
+    tails, heads = solid.edges[marked].T
+    keys = tails * count + heads
+    order = np.argsort(keys)
+    tets = solid.tets
+    done = []
+    while len(tets):
+        ends = tets[:, TET_EDGES]
+        known = ends.max(axis=2) < count
+        key = np.where(known, ends.min(axis=2) * count + ends.max(axis=2), -1)
+        at = np.minimum(np.searchsorted(keys, key, sorter=order), len(keys) - 1)
+        place = np.where(keys[order[at]] == key, order[at], -1)
+        best = place.argmax(axis=1)
+        rows = np.arange(len(tets))
+        middle = place[rows, best]
+        done.append(tets[middle < 0])
+        tets, best, middle = tets[middle >= 0], best[middle >= 0], middle[middle >= 0]
+        halves = []
+        for side in np.array(TET_EDGES)[best].T:
+            half = tets.copy()
+            half[np.arange(len(half)), side] = count + middle
+            halves.append(half)
+        tets = np.concatenate(halves)
+    tets = np.concatenate(done)
+    middles = solid.vertices[solid.edges[marked]].mean(axis=1)
+    sides = np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    outer = np.flatnonzero(np.isin(keys, sides[:, 0] * count + sides[:, 1]))
+    return TetMesh(_put_on_surface(solid.vertices, middles, outer, tets, mesh, nearest), tets)
+
+
+def _put_on_surface(
+    vertices: np.ndarray,
+    middles: np.ndarray,
+    outer: np.ndarray,
+    tets: np.ndarray,
+    mesh: TriangleMesh,
+    nearest: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Vertices with the middles of edges after them, the outer ones on the surface where no tetrahedron loses more than
+    half of its volume."""
+    straight = np.concatenate([vertices, middles])
+    if not len(outer):
+        return straight
+    corners = mesh.vertices[mesh.triangles[nearest(middles[outer])]]
+    moved = straight.copy()
+    moved[len(vertices) + outer] = np.einsum(
+        "pc,pcx->px", nearest_in_triangles(middles[outer], np.moveaxis(corners, 1, 0)), corners
+    )
+    least = signed_volumes(straight, tets) / 2
+    while True:
+        flat = np.unique(tets[signed_volumes(moved, tets) < least])
+        flat = flat[(moved[flat] != straight[flat]).any(axis=1)]
+        if not len(flat):
+            return moved
+        moved[flat] = straight[flat]

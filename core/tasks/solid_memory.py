@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Estimate of the memory that layers take, before the solid is made: from the measures of its surface.
+
+Peaks were measured in processes of their own, for balls, cubes, bars, plates and two meshes of 15,000 to 220,000
+tetrahedra, on one core and on two (bench/README.md). A proof takes as much as its factors have entries. In solids, the
+front of an elimination is about a section across the longest extent; in flat solids good orders of elimination have
+fewer entries than that.
+"""
+
+from typing import NamedTuple
+
+from ..algebra.workers import WORKERS
+from ..extract.layers.crossings import BYTES_PER_CROSSING
+from ..geometry.filling.lengths import SOLVED_BYTES, Lengths, Measures
+from ..geometry.filling.stuffing import estimated_bytes, estimated_tets
+from ..solve.methods.certificate import takes_long
+from ..solve.methods.memory_estimate import is_solid_front
+
+# Bytes for each tetrahedron where the phase is integrated; where it is searched for, and while a bound is proved, both
+# on one core and on several (True), which do both at a time; and for each entry of the factors of a proof.
+_INTEGRATED, _ENTRY = 1250, 43
+_SEARCHED, _PROVING = {False: 2100, True: 2600}, {False: 1400, True: 2000}
+# Crossings of levels with edges in each cube of the lattice, for each of its sizes in the spacing.
+_CROSSINGS = 6.3
+# Vertices in each cube, and more at each square of the surface; entries of a row of the matrix.
+_INSIDE, _AT_SURFACE, _ROW_ENTRIES = 2.0, 1.3, 13.4
+# Nodes of a front for each square of a section, and for each side of a square around the section.
+_FRONT = 1.8
+# Entries of factors for each row and each square of a section, and the power of the solid's flatness with which they
+# grow: shortest by longest extent over the square of the middle one.
+_FILL, _FLATNESS = 2.7, 0.2
+
+
+class LayerMemory(NamedTuple):
+    """Bytes at the peak.
+
+    Attributes
+    ----------
+    needed : without a proof, which is left out where it does not fit, and without the layers' triangles, which are
+        counted before they are made (:func:`..extract.layers.crossings.refuse_too_many_layers`)
+    expected : with both
+    """
+
+    needed: int
+    expected: int
+
+
+def layer_memory(
+    measures: Measures, lengths: Lengths, is_searched: bool = True, tets: int | None = None
+) -> LayerMemory:
+    """Estimate the :class:`LayerMemory` of layers in the solid of a surface.
+
+    Parameters
+    ----------
+    is_searched : False where directions without curl are integrated, as those of an axis
+    tets : of a given solid; None for one that is made
+    """
+    size = lengths.size
+    filling = 0
+    if tets is None:
+        tets = estimated_tets(measures.volume, size, measures.area)
+        filling = estimated_bytes(tets, measures.bounds, size)
+    else:
+        size = (12 * measures.volume / tets) ** (1 / 3)
+    layers = BYTES_PER_CROSSING * _CROSSINGS * measures.volume / (lengths.spacing * size**2)
+    if not is_searched:
+        return LayerMemory(max(filling, _INTEGRATED * tets), max(filling, round(_INTEGRATED * tets + layers)))
+    searched, proved = (kind[WORKERS > 1] * tets for kind in (_SEARCHED, _PROVING))
+    proved += round(_proof_bytes(measures, size))
+    return LayerMemory(max(filling, SOLVED_BYTES * tets), max(filling, round(searched + layers), proved))
+
+
+def _proof_bytes(measures: Measures, size: float) -> float:
+    """Bytes of a factorization; 0 where none is tried."""
+    longest, middle, shortest = measures.extents
+    rows = _INSIDE * measures.volume / size**3 + _AT_SURFACE * measures.area / size**2
+    section, rim = measures.volume / longest / size**2, measures.area / longest / size
+    front = _FRONT * (section + rim)
+    if takes_long(front, _ROW_ENTRIES, is_solid_front(rows, front), True):
+        return 0.0
+    return _ENTRY * _FILL * (shortest * longest / middle**2) ** _FLATNESS * section * rows
