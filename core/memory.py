@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
@@ -103,8 +104,9 @@ def _space_left() -> float:
     return math.inf if limit < 0 else limit - _pages(0)
 
 
+@cache  # a solve asks some twenty times
 def _container_bytes() -> float:
-    """Read the smallest limit of this process's control groups, bytes."""
+    """Read the smallest limit of this process's control groups, bytes, once."""
     try:
         lines = _OWN_GROUPS.read_text().splitlines()
     except OSError:

@@ -5,12 +5,10 @@ processes that run at once. Fields are searched with few tries, save where the s
 
 import os
 from collections import Counter
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from synch_fields.core import memory
 from synch_fields.core.solve.methods import rounding
 
 TESTS = Path(__file__).parent
@@ -22,7 +20,6 @@ SEARCHED, MARKS, FEW, USUAL = ("core/algebra", "core/solve", "bench"), ("full_se
 # CPU seconds of the files that take SHORT or more without slow tests, as `--measure` writes them; of the others, bytes
 # of a file for each second.
 TABLE, SHORT, BYTES_PER_SECOND = TESTS / "seconds.txt", 2.0, 8_000
-CONTAINER_BYTES = cache(memory._container_bytes)
 OURS, SPENT = pytest.StashKey[set[Path] | None](), pytest.StashKey[Counter[Path]]()
 
 
@@ -101,12 +98,3 @@ def set_search(request):
 
 search_of_the_file = pytest.fixture(set_search, scope="module", autouse=True)
 search_of_the_test = pytest.fixture(set_search, autouse=True)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def container_of_the_file(request):
-    """Read the container's limit once, not some twenty times in each solve, save where that is tested."""
-    with pytest.MonkeyPatch.context() as patch:
-        if request.path != TESTS / "core" / "test_memory.py":
-            patch.setattr(memory, "_container_bytes", CONTAINER_BYTES)
-        yield

@@ -61,11 +61,12 @@ def test_limits_of_control_groups_are_found(tmp_path, monkeypatch, version):
     own.write_text("0::/work/job\n" if version == 2 else "5:cpuset:/\n4:cpu,memory:/work/job\n1:name=systemd:/\n")
     monkeypatch.setattr(memory, "_OWN_GROUPS", own)
     monkeypatch.setattr(memory, "_GROUPS", dict.fromkeys([True, False], (str(folder), name)))
-    assert memory._container_bytes() == 3_000_000_000
+    read = memory._container_bytes.__wrapped__
+    assert read() == 3_000_000_000
     own.write_text("0::/elsewhere\n")
-    assert memory._container_bytes() == math.inf
+    assert read() == math.inf
     own.unlink()
-    assert memory._container_bytes() == math.inf
+    assert read() == math.inf
 
 
 def test_a_solve_is_refused_before_it_begins(monkeypatch):
@@ -137,10 +138,9 @@ MEASURE_PROOF = """
 import numpy as np
 from scipy.sparse import eye_array
 from synch_fields.core.algebra.factorization import front_width, is_positive_definite
-from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.memory import peak_megabytes, used_bytes
 from synch_fields.core.solve.methods.memory_estimate import proof_bytes
-from synch_fields.tests.core.layered_solids import block
+from synch_fields.tests.core.layered_solids import block, layer_problem
 solid = block((24, 18, 18), (1.3, 1, 1))
 (piece,) = layer_problem(solid, np.tile([0, 0, 1.0], (solid.vertex_count, 1)), 0.3).pieces
 width = front_width(piece.matrix)
