@@ -61,8 +61,10 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         if memory.is_outdated(obj):
             row = layout.row()
             row.alert = True
-            again = "synch.quad_mesh_again" if source_of(obj) else SOLVES[result["command"]]
-            row.operator(again, text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
+            if source_of(obj):
+                row.operator("synch.quad_mesh_again", text="Source Changed: Solve Again", icon="FILE_REFRESH")
+            else:
+                row.operator(SOLVES[result["command"]], text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
         if result["command"] == "quad_mesh":
             draw_quad_figures(layout, obj, result)
             return
