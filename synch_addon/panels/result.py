@@ -12,7 +12,8 @@ from ..patterns.refine import as_length
 from ..settings.fields import source_of
 from ..settings.preferences import is_simple
 from .row_operators import can_set
-from .sidebar import SettingsPanel, property_column
+from .setting_rows import property_column
+from .sidebar import SettingsPanel
 from .thumbnails import draw_variations
 
 # What is said of each kind of place where the surface is not the mesh.
