@@ -24,13 +24,11 @@ from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .progress import draw_work
-from .row_operators import can_set, others_selected
+from .row_operators import can_set, meshes_selected, others_selected
 from .setting_presets import SYNCH_PT_presets
 from .setting_rows import draw_setting, draw_settings, property_column, skip
 
 KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
-# Jobs of the row that are shown, the others by their number.
-SHOWN_JOBS = 5
 
 
 RECORDS = dict(records(SurfaceSettings))
@@ -115,7 +113,7 @@ def draw_main(layout, obj):
     """What is made, the button that makes it or how far it is, and what an artist sets first."""
     simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
     source = original_of(obj)  # whose directions count
-    work = next((work for work in queue.works if not work.is_quiet and _is_for(work, obj)), None)
+    work = next((work for work in queue.works if not work.is_quiet and is_for(work, obj)), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
     button.scale_y = 1.6
@@ -139,7 +137,7 @@ def draw_main(layout, obj):
     column = property_column(layout)
     if simple.kind == "quad_mesh":
         count = None if settings.faces else expected_faces(source)
-        zero = RECORDS["faces"].zero if count is None else translate("about {count:,}", count=count)
+        zero = RECORDS["faces"].zero if count is None else translate("≈ {count:,}", count=count)
         draw_setting(column, settings, "faces", zero)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
@@ -196,7 +194,7 @@ def draw_unready(layout, obj):
     return bool(reason)
 
 
-def _is_for(work, obj):
+def is_for(work, obj):
     """Whether a job is of an object, or of the one that its quads or layers were made of."""
     return work.obj is not None and work.obj in (obj, original_of(obj), solid_of(obj))
 
@@ -208,21 +206,6 @@ def draw_shape(layout, obj):
         row = layout.row(align=True)
         row.label(text=translate("Shape: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
-
-
-def draw_others(layout, obj):
-    """The jobs that are not of an object, below all that could move for them."""
-    heard = [work for work in queue.works if not work.is_quiet]
-    others = [work for work in heard if obj is None or not _is_for(work, obj)]
-    for work in others[:SHOWN_JOBS]:
-        label, of = translate(work.label), work.obj
-        box = layout.box().column(align=True)
-        box.label(text=label if of is None else f"{label}: {of.name}", translate=False)
-        draw_work(box.row(), box.row(align=True), work)
-    if len(others) > SHOWN_JOBS:
-        layout.label(text=translate("{count} more are waiting", count=len(others) - SHOWN_JOBS), translate=False)
-    if len(heard) > 1:
-        layout.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
 class SidebarPanel:
@@ -252,9 +235,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         layout, obj = self.layout, context.active_object
         if preferences() is not None:
             layout.row().prop(preferences(), "panel", expand=True)
-        if draw_unready(layout, obj):
-            obj = None
-        elif not draw_painting(layout, context):
+        if not draw_unready(layout, obj) and not draw_painting(layout, context):
             draw_main(layout, obj)
             if not is_simple():
                 row = layout.row()
@@ -262,11 +243,10 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
                 row.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
             if live.error:
                 layout.label(text=live.error, icon="ERROR", translate=False)
-            others = len(others_selected(context))
+            others = len(others_selected(context)) or len(meshes_selected(context))
             if others:
                 text = translate("Copy Settings to {count} Others", count=others)
                 layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
-        draw_others(layout, obj)
 
 
 class SettingsPanel(SidebarPanel):
