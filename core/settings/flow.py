@@ -74,7 +74,7 @@ class FlowSettings(SolverSettings):
         least=SMALLEST,
         usual=(None, 6),
         unset="0.5, and 2 where tubes are shown",
-        zero="Automatic",
+        zero="Auto",
         placeholder="CELLS",
     )
     attribute: str = _flow_setting(

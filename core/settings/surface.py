@@ -183,7 +183,7 @@ class SurfaceSettings(SolverSettings):
         "Face Count",
         "Approximate number of faces of the quad mesh, in place of the spacing; 0 to use the spacing",
         least=0,
-        zero="Automatic",
+        zero="Auto",
         most=10_000_000,
         usual=(None, 100_000),
     )

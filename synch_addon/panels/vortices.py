@@ -69,7 +69,7 @@ def draw_vortices(layout, settings):
     column.prop(settings, "show")
     column.prop(settings, "resolution")
     if not settings.filepath:
-        draw_setting(column, settings, "core", "Automatic")
+        draw_setting(column, settings, "core", "Auto")
     column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])
