@@ -59,13 +59,10 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         if not result:
             layout.label(text="Not solved yet", icon="INFO")
             return
-        if memory.is_outdated(obj):
+        if memory.is_outdated(obj) and not source_of(obj):  # of a quad mesh the first button says it
             row = layout.row()
             row.alert = True
-            if source_of(obj):
-                row.operator("synch.quad_mesh_again", text="Source Changed: Solve Again", icon="FILE_REFRESH")
-            else:
-                row.operator(SOLVES[result["command"]], text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
+            row.operator(SOLVES[result["command"]], text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
         if result["command"] == "quad_mesh":
             draw_quad_figures(layout, obj, result)
             return
