@@ -74,6 +74,7 @@ class FlowSettings(SolverSettings):
         least=SMALLEST,
         usual=(None, 6),
         unset="0.5, and 2 where tubes are shown",
+        zero="Auto",
         placeholder="CELLS",
     )
     attribute: str = _flow_setting(

@@ -247,10 +247,17 @@ class LayerSettings(SolverSettings):
         "Smallest height of a layer, 0 for no limit; layers branch only as much as the limits need",
         unit=LENGTH,
         least=0,
+        zero="No limit",
         group="layers",
     )
     largest_height: float = _layer_setting(
-        0.0, "Largest Height", "Largest height of a layer, 0 for no limit", unit=LENGTH, least=0, group="layers"
+        0.0,
+        "Largest Height",
+        "Largest height of a layer, 0 for no limit",
+        unit=LENGTH,
+        least=0,
+        zero="No limit",
+        group="layers",
     )
     numbers: str = _layer_setting(
         "pieces",

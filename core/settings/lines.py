@@ -34,6 +34,7 @@ class LineSettings(SettingsRecord):
         "Distance between the points of a line, in spacings; 0 puts them where it crosses the mesh's edges",
         least=0,
         usual=(None, 1),
+        zero="At edges",
     )
     smoothing: int = _line_setting(
         6,
@@ -44,6 +45,11 @@ class LineSettings(SettingsRecord):
         usual=(None, 50),
     )
     radius: float = _line_setting(
-        0.1, "Radius", "Radius of tubes around the lines, in spacings; 0 for none", least=0, usual=(None, 0.5)
+        0.1,
+        "Radius",
+        "Radius of tubes around the lines, in spacings; 0 for none",
+        least=0,
+        usual=(None, 0.5),
+        zero="No tubes",
     )
     spline: str = _line_setting("poly", "Spline", "Kind of spline", choices=_SPLINES)

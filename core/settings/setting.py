@@ -69,6 +69,7 @@ class Setting:
     choices : of a text, or of several texts
     names : kind of name in a text, "" for other texts
     unset : meaning of the default None, or of an empty text
+    zero : what 0 means, which panels say beside it; "" where it is a number as others are
     commands : that have a flag for it
     group : part of the panel that draws it, "" for none
     flag : name of the flag, "" for the setting's own name
@@ -87,6 +88,7 @@ class Setting:
     choices: tuple[Choice, ...] = ()
     names: str = ""
     unset: str = ""
+    zero: str = ""
     commands: tuple[str, ...] = ()
     group: str = ""
     flag: str = ""

@@ -183,6 +183,7 @@ class SurfaceSettings(SolverSettings):
         "Face Count",
         "Approximate number of faces of the quad mesh, in place of the spacing; 0 to use the spacing",
         least=0,
+        zero="Auto",
         most=10_000_000,
         usual=(None, 100_000),
     )
@@ -193,6 +194,7 @@ class SurfaceSettings(SolverSettings):
         "quad mesh; 0 for none of them",
         unit=ANGLE,
         least=0,
+        zero="None",
         most=math.pi,
     )
     smoothing: int = _quad_mesh_setting(

@@ -9,6 +9,8 @@ COARSE_ROUNDING = 60_000
 _NODE_SECONDS, _LARGE_NODE_SECONDS, _VERTEX_SECONDS = 2e-4, 1e-4, 1.1e-4
 # Factors for a circulation that is searched for, for methods but the default one, and for each frame after the first.
 _SOUGHT, _QUICK, _NEXT = 3.5, 0.4, 0.8
+# Of curves, the circulation is known that is tried first: for each node up to so many, and the factor for the search.
+_CURVE_SECONDS, _TRIED = 2.8e-4, 1.2
 # Bytes of a solve for each node with a proved bound, which is tried up to so many nodes, and without; and the most
 # nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
@@ -19,14 +21,21 @@ def solve_memory(nodes: int) -> int:
     return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
 
 
-def solve_seconds(nodes: int, settings: FlowSettings, frames: int | None = None, is_surface: bool = False) -> float:
+def solve_seconds(
+    nodes: int,
+    settings: FlowSettings,
+    frames: int | None = None,
+    is_surface: bool = False,
+    is_of_curves: bool = False,
+) -> float:
     """About how long a solve takes on one core, measured on 18^3 to 64^3 nodes, and on 900 to 40,000 vertices of a
     surface; so many frames of a sequence are solved for the same circulation."""
-    seconds = nodes * (_LARGE_NODE_SECONDS if nodes > COARSE_ROUNDING else _NODE_SECONDS)
+    small, sought = (_CURVE_SECONDS, _TRIED) if is_of_curves else (_NODE_SECONDS, _SOUGHT)
+    seconds = nodes * (_LARGE_NODE_SECONDS if nodes > COARSE_ROUNDING else small)
     if is_surface:
         seconds = nodes * _VERTEX_SECONDS
     if settings.method != "sdp":
         seconds *= _QUICK
     if settings.quantum is None and frames is None:
-        seconds *= _SOUGHT
+        seconds *= sought
     return seconds * (1 + _NEXT * ((frames or 1) - 1))

@@ -243,7 +243,8 @@ class FlowRequest:
         sphere, which need that map."""
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
-        expect(progress, solve_seconds(grid.node_count, self.settings))
+        is_of_curves = isinstance(self.source, FilamentCurves)
+        expect(progress, solve_seconds(grid.node_count, self.settings, is_of_curves=is_of_curves))
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         early = None
         if show is not None and settings.show != "tubes" and settings.point is None:

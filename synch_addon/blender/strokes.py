@@ -16,6 +16,8 @@ from .objects import world_of
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
 # Over so many edges of the mesh, to both sides, the ways from a curve to the surface are averaged.
 _SMOOTHED = 1.5
+# What the course of a spline depends on besides its points.
+_OF_SPLINES = ("use_cyclic_u", "use_endpoint_u", "use_bezier_u", "order_u", "resolution_u")
 
 
 def read_strokes(obj, name, given):
@@ -66,12 +68,31 @@ def polylines(source):
     evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source.type == "GREASEPENCIL":
         lines = [line for layer in evaluated.data.layers for line in _strokes_at_frame(layer)]
-    elif source.type == "CURVE" and (_is_thick(source.data) or any(map(is_of_filaments, source.modifiers))):
+    elif _is_of_splines(source):
         with _middle_line(source) as thin:
             lines = _chains(thin)
     else:
         lines = _chains(evaluated)
     return [line for line in lines if len(line) > 1 and np.ptp(line, axis=0).any()]
+
+
+def shape_of(source):
+    """Arrays that are equal as long as :func:`polylines` of an object are; they are only read, as while a panel is
+    drawn."""
+    if not _is_of_splines(source):
+        return polylines(source)
+    keys = source.data.shape_keys
+    shape = [np.array([key.value for key in keys.key_blocks])] if keys is not None else []
+    for spline in source.data.splines:
+        shape.append(np.array([getattr(spline, name) for name in _OF_SPLINES]))
+        shape += [read_all(spline.bezier_points, name, 3, np.float32) for name in ("co", "handle_left", "handle_right")]
+        shape.append(read_all(spline.points, "co", 4, np.float32))
+    return shape
+
+
+def _is_of_splines(source):
+    """Whether of a curve the splines alone count."""
+    return source.type == "CURVE" and (_is_thick(source.data) or any(map(is_of_filaments, source.modifiers)))
 
 
 def _strokes_at_frame(layer):

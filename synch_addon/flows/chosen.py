@@ -60,7 +60,8 @@ def expected_solve(context, properties):
         return None
     nodes, is_surface = math.prod(shape), len(shape) == 1
     count = None if settings.frames is None else len(range(settings.frames[0], settings.frames[1] + 1))
-    seconds = solve_seconds(nodes, settings, count, is_surface)
+    is_of_curves = isinstance(flow_of(context, properties.filepath), list) and not is_surface
+    seconds = solve_seconds(nodes, settings, count, is_surface, is_of_curves)
     return Expected(shape, seconds, None if is_surface else solve_memory(nodes) / 2**20)
 
 

@@ -23,7 +23,8 @@ class Report:
     """Collects warnings and times during a run and becomes a dict at its end."""
 
     def __init__(self, command, obj, settings):
-        self.command, self.object_name, self.settings = command, obj.name, settings
+        self.command, self.object_name = command, obj.name
+        self.asked = self.settings = settings  # as they are asked for, and with what was found on the way
         self.clock = Clock()
         self.warnings = []
         self.forced_dislocations = None
@@ -32,6 +33,7 @@ class Report:
         self.surface = None  # figures of the finer surface, if the pattern is on one
         self.shape_key = None  # name of the one whose shape was solved on
         self.curves_read = ()  # state of the curves that the settings name, to notice a change
+        self.made_from = ""  # state of all that a quad mesh is made of, likewise
         self._settled = {}
         self._start = time.perf_counter()
         self._request = None

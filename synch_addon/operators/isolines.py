@@ -11,6 +11,7 @@ from ...core.settings.lines import LineSettings
 from ...core.settings.setting import records
 from .. import api
 from ..jobs.report import count_text
+from ..panels.setting_rows import draw_setting, property_column
 from ..settings.rna import properties_of, settings_of
 from .ready import PatternOperator, PromptOperator
 
@@ -24,6 +25,11 @@ class SYNCH_OT_isolines(PatternOperator, PromptOperator, LineProperties, bpy.typ
     bl_idname = "synch.isolines"
     bl_label = "Lines as Curves"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
+
+    def draw(self, _context):
+        column = property_column(self.layout)
+        for name, record in records(LineSettings):
+            draw_setting(column, self, name, record.zero)
 
     def make(self, context):
         settings = settings_of(LineSettings, self, LINE_NAMES)

@@ -9,6 +9,7 @@ from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..jobs.queue import queue
 from ..jobs.report import count_text
+from ..panels.setting_rows import draw_setting, property_column
 from ..solids import memory
 from ..solids.links import solid_of
 from ..solids.outputs import PathsJob, VolumeJob, machine_of
@@ -59,6 +60,13 @@ _BEADS = EnumProperty(
         ("SPEED", "Speed", "Blue where beads are printed slowly, red where fast"),
     ],
 )
+
+
+def _draw_paths(layout, operator, names):
+    """Settings of tool paths of an operator."""
+    column = property_column(layout)
+    for name in names:
+        draw_setting(column, operator, name, "As layers" if name == "step" else "")
 
 
 class _LayerOperator:
@@ -130,6 +138,9 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     infill: _INFILL
     beads: _BEADS
 
+    def draw(self, _context):
+        _draw_paths(self.layout, self, ("fill", "step", "machine", "infill", "beads"))
+
     def _job(self, context):
         beads = None if self.beads == "NONE" else self.beads.lower()
         return PathsJob(context.active_object, _path_settings(self), beads=beads)
@@ -151,6 +162,9 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     step: _STEP
     machine: _MACHINE
     infill: _INFILL
+
+    def draw(self, _context):
+        _draw_paths(self.layout, self, ("fill", "step", "machine", "infill"))
 
     def check(self, context):
         """Keep the suffixes .obj and .gcode, which the helper would replace."""

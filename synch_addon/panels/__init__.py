@@ -9,6 +9,7 @@ from . import (
     early_view,
     frames,
     guides,
+    jobs,
     layer_outputs,
     layers,
     look,
@@ -48,6 +49,7 @@ _MODULES = (
     layers,
     frames,
     layer_outputs,
+    jobs,
     manual,
 )
 

@@ -10,7 +10,8 @@ from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..settings.rna import properties_of
 from .progress import draw_estimate
-from .sidebar import SettingsPanel, draw_settings, property_column
+from .setting_rows import draw_settings, property_column
+from .sidebar import SettingsPanel
 
 BAKE_NAMES = tuple(name for name, _ in records(BakeSettings))
 BakeProperties = properties_of(BakeSettings, BAKE_NAMES)

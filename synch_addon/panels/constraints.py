@@ -7,7 +7,8 @@ from bpy.props import EnumProperty
 from ..blender.registration import register_all
 from ..settings.fields import original_of
 from .row_operators import RowOperator
-from .sidebar import SettingsPanel, property_column
+from .setting_rows import property_column
+from .sidebar import SettingsPanel
 
 
 class _ActiveRowOperator(RowOperator):

@@ -13,7 +13,8 @@ from ..blender.translations import OURS
 from ..frames.job import HOLD, Span
 from ..settings.rna import settings_of
 from .progress import draw_estimate
-from .sidebar import SettingsPanel, property_column
+from .setting_rows import property_column
+from .sidebar import SettingsPanel
 
 
 class AnimationProperties:

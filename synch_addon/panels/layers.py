@@ -24,14 +24,8 @@ from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
 from .progress import draw_estimate
 from .row_operators import RemoveRow, RowOperator
-from .sidebar import (
-    DetailsPanel,
-    SidebarPanel,
-    draw_automatic,
-    draw_settings,
-    draw_unready,
-    property_column,
-)
+from .setting_rows import draw_automatic, draw_settings, property_column
+from .sidebar import DetailsPanel, SidebarPanel, draw_unready
 
 # Measures of the mesh that was measured last, by what it was known by.
 _measured = LruCache(1)

@@ -9,7 +9,7 @@ from ..blender.registration import register_all
 from ..nodes import quads, stripe_profiles
 from ..nodes.materials import pattern_node
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
-from .sidebar import property_column
+from .setting_rows import property_column
 
 # Inputs of the node in the order in which they are drawn, with what is said of them.
 _COLORS, _SHAPE = ("Color", "Background"), ("Width", "Softness")

@@ -31,7 +31,8 @@ from .overlay import (
     sphere_faces,
 )
 from .pattern_shader import draw_dots, shaders
-from .sidebar import SidebarPanel, property_column
+from .setting_rows import property_column
+from .sidebar import SidebarPanel
 
 # Everything is drawn nearer by this share of its distance, so that it does not fight with the faces.
 NEARER = 2e-3

@@ -12,7 +12,8 @@ from ..patterns.refine import as_length
 from ..settings.fields import source_of
 from ..settings.preferences import is_simple
 from .row_operators import can_set
-from .sidebar import SettingsPanel, property_column
+from .setting_rows import property_column
+from .sidebar import SettingsPanel
 from .thumbnails import draw_variations
 
 # What is said of each kind of place where the surface is not the mesh.
@@ -58,11 +59,10 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         if not result:
             layout.label(text="Not solved yet", icon="INFO")
             return
-        if memory.is_outdated(obj):
+        if memory.is_outdated(obj) and not source_of(obj):  # of a quad mesh the first button says it
             row = layout.row()
             row.alert = True
-            again = "synch.quad_mesh_again" if source_of(obj) else SOLVES[result["command"]]
-            row.operator(again, text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
+            row.operator(SOLVES[result["command"]], text="Mesh Changed: Solve Again", icon="FILE_REFRESH")
         if result["command"] == "quad_mesh":
             draw_quad_figures(layout, obj, result)
             return

@@ -15,7 +15,12 @@ def can_set(obj):
 
 def others_selected(context):
     """The selected objects beside the active one that can be worked on now."""
-    return [obj for obj in context.selected_objects if obj != context.active_object and can_set(obj)]
+    return list(filter(can_set, meshes_selected(context)))
+
+
+def meshes_selected(context):
+    """The selected objects beside the active one that can be worked on, if need be after their jobs."""
+    return [obj for obj in context.selected_objects if obj != context.active_object and refusal(obj) is None]
 
 
 class RowOperator:

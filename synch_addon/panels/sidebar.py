@@ -24,35 +24,14 @@ from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .progress import draw_work
-from .row_operators import can_set, others_selected
+from .row_operators import can_set, meshes_selected, others_selected
 from .setting_presets import SYNCH_PT_presets
+from .setting_rows import draw_setting, draw_settings, property_column, skip
 
 KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
-# Jobs of the row that are shown, the others by their number.
-SHOWN_JOBS = 5
 
 
-def draw_settings(column, settings, kind, group, own=None):
-    """Draw the settings of a group of the panel, in the order of their declaration.
-
-    Parameters
-    ----------
-    column : UILayout
-    settings : the object's, or an operator's
-    kind : class of the settings
-    group : of the panel, as the records have it
-    own : by name, callables (column) that draw a setting in a way of their own
-    """
-    own = own or {}
-    for name, record in records(kind):
-        if record.group != group or record.part_of:
-            continue
-        if name in own:
-            own[name](column)
-        else:
-            column.prop(settings, name)
-
-
+RECORDS = dict(records(SurfaceSettings))
 # What the redo panel shows of a command's settings: what one changes after a look at the result.
 _REDONE = {
     "directions": ("guidance", "symmetry", "angle", "boundary", "mirror", "singularities"),
@@ -79,7 +58,7 @@ def draw_redo(layout, operator):
         if name == "mirror":
             draw_mirror(column, operator, range(3))
         elif name != "spacing" or not getattr(operator, "faces", 0) or operator.command != "quad_mesh":
-            column.prop(operator, name)
+            draw_setting(column, operator, name, RECORDS[name].zero)
 
 
 def draw_mirror(column, settings, axes):
@@ -112,7 +91,7 @@ def draw_guide(column, made):
         if settings.boundary != "FREE":
             column.prop_search(settings, "vertex_group", obj, "vertex_groups")
 
-    own = {"symmetry": draw_symmetry, "vertex_group": draw_group, "guidance": _skip, "mirror": _skip}
+    own = {"symmetry": draw_symmetry, "vertex_group": draw_group, "guidance": skip, "mirror": skip}
     own["angle_attribute"] = lambda column: draw_map(column, settings, "ANGLE")
     own["singularities"] = lambda column: draw_share(column, made.synch, "singularities")
     draw_settings(column, settings, SurfaceSettings, "directions", own)
@@ -134,7 +113,7 @@ def draw_main(layout, obj):
     """What is made, the button that makes it or how far it is, and what an artist sets first."""
     simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
     source = original_of(obj)  # whose directions count
-    work = next((work for work in queue.works if not work.is_quiet and _is_for(work, obj)), None)
+    work = next((work for work in queue.works if not work.is_quiet and is_for(work, obj)), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
     button.scale_y = 1.6
@@ -157,12 +136,9 @@ def draw_main(layout, obj):
     draw_warning(layout, obj)
     column = property_column(layout)
     if simple.kind == "quad_mesh":
-        column.prop(settings, "faces")
-    if simple.kind == "quad_mesh" and not settings.faces:
-        count = expected_faces(source)
-        if count is not None:
-            text = translate("Automatic: about {count:,} faces", count=count)
-            column.label(text=text, icon="BLANK1", translate=False)
+        count = None if settings.faces else expected_faces(source)
+        zero = RECORDS["faces"].zero if count is None else translate("≈ {count:,}", count=count)
+        draw_setting(column, settings, "faces", zero)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
@@ -191,17 +167,6 @@ def draw_spacing(column, simple, settings):
         column.prop(settings, "spacing")
 
 
-def _skip(column):
-    """Draw nothing of a setting that stands elsewhere."""
-
-
-def draw_automatic(column, settings, name, automatic):
-    """A setting below the one that makes it automatic, which is shown where that is not chosen."""
-    column.prop(settings, automatic)
-    if not getattr(settings, automatic):
-        column.prop(settings, name)
-
-
 def draw_solver(layout, settings):
     """Settings of the solver."""
 
@@ -210,14 +175,6 @@ def draw_solver(layout, settings):
 
     own = {name: only_of_sdp(name) for name in ("rounding", "target_gap")}
     draw_settings(property_column(layout), settings, SolverSettings, "solver", own)
-
-
-def property_column(layout):
-    """A column of settings with their names on the left, as in Blender's own panels."""
-    column = layout.column()
-    column.use_property_split = True
-    column.use_property_decorate = False
-    return column
 
 
 def draw_unready(layout, obj):
@@ -237,7 +194,7 @@ def draw_unready(layout, obj):
     return bool(reason)
 
 
-def _is_for(work, obj):
+def is_for(work, obj):
     """Whether a job is of an object, or of the one that its quads or layers were made of."""
     return work.obj is not None and work.obj in (obj, original_of(obj), solid_of(obj))
 
@@ -249,21 +206,6 @@ def draw_shape(layout, obj):
         row = layout.row(align=True)
         row.label(text=translate("Shape: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
-
-
-def draw_others(layout, obj):
-    """The jobs that are not of an object, below all that could move for them."""
-    heard = [work for work in queue.works if not work.is_quiet]
-    others = [work for work in heard if obj is None or not _is_for(work, obj)]
-    for work in others[:SHOWN_JOBS]:
-        label, of = translate(work.label), work.obj
-        box = layout.box().column(align=True)
-        box.label(text=label if of is None else f"{label}: {of.name}", translate=False)
-        draw_work(box.row(), box.row(align=True), work)
-    if len(others) > SHOWN_JOBS:
-        layout.label(text=translate("{count} more are waiting", count=len(others) - SHOWN_JOBS), translate=False)
-    if len(heard) > 1:
-        layout.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
 class SidebarPanel:
@@ -293,9 +235,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         layout, obj = self.layout, context.active_object
         if preferences() is not None:
             layout.row().prop(preferences(), "panel", expand=True)
-        if draw_unready(layout, obj):
-            obj = None
-        elif not draw_painting(layout, context):
+        if not draw_unready(layout, obj) and not draw_painting(layout, context):
             draw_main(layout, obj)
             if not is_simple():
                 row = layout.row()
@@ -303,11 +243,10 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
                 row.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
             if live.error:
                 layout.label(text=live.error, icon="ERROR", translate=False)
-            others = len(others_selected(context))
+            others = len(others_selected(context)) or len(meshes_selected(context))
             if others:
                 text = translate("Copy Settings to {count} Others", count=others)
                 layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
-        draw_others(layout, obj)
 
 
 class SettingsPanel(SidebarPanel):
@@ -343,7 +282,7 @@ class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
     def draw_body(self, context):
         obj = context.active_object
         kind, settings, column = obj.synch_simple.kind, obj.synch, property_column(self.layout)
-        own = {name: _skip for name in ("spacing", "branching", "faces", *(("loops",) if source_of(obj) else ()))}
+        own = {name: skip for name in ("spacing", "branching", "faces", *(("loops",) if source_of(obj) else ()))}
         own["spacing_map"] = lambda column: draw_map(column, settings, "SPACING")
         groups = {"pattern": True, "quads": kind in {"quads", "quad_mesh"}, "quad_mesh": kind == "quad_mesh"}
         groups["faces"] = kind != "quad_mesh" and len(obj.data.materials) > 1

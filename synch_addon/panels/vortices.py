@@ -11,7 +11,8 @@ from ..flows import memory
 from ..flows.chosen import expected_solve
 from ..flows.files import can_export
 from .progress import draw_estimate
-from .sidebar import DetailsPanel, SidebarPanel, property_column
+from .setting_rows import draw_setting, property_column
+from .sidebar import DetailsPanel, SidebarPanel
 
 
 class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
@@ -68,7 +69,7 @@ def draw_vortices(layout, settings):
     column.prop(settings, "show")
     column.prop(settings, "resolution")
     if not settings.filepath:
-        column.prop(settings, "core")
+        draw_setting(column, settings, "core", "Auto")
     column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from ..blender.changes import changes
-from ..blender.strokes import SOURCE_TYPES, polylines
+from ..blender.strokes import SOURCE_TYPES, shape_of
 from ..jobs.lru_cache import LruCache
 
 # Decimals of transforms: what is less comes of rounding, as where curve and mesh move together.
@@ -35,4 +35,4 @@ def _look(obj, curve):
 
 
 def _digest(curve):
-    return hashlib.blake2b(b"".join(np.float32(line).tobytes() for line in polylines(curve))).hexdigest()
+    return hashlib.blake2b(b"".join(np.float32(line).tobytes() for line in shape_of(curve))).hexdigest()

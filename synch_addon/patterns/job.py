@@ -2,7 +2,7 @@
 """Fields, patterns and quad meshes as jobs: what is read is a request, and what was found is written and remembered."""
 
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import bpy
 import numpy as np
@@ -15,9 +15,9 @@ from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, whole_or_nothing
 from ..jobs.kept_results import result_line
 from ..jobs.report import Report
-from ..reading.refinement import refinement_of, solved_object, state_of
+from ..reading.refinement import refinement_of, solved_object
 from ..reading.surface import gather, settings_for
-from . import frame_attributes, memory, numbers, own_surface, quad_mesh, write
+from . import frame_attributes, made_from, memory, numbers, own_surface, quad_mesh, write
 from .curves_read import curves_read
 
 
@@ -34,7 +34,6 @@ class FieldJob:
         self.link, self._selection = ObjectLink.to(obj), Selection.now()
         self._replaced = None if replaced is None else ObjectLink.to(replaced)
         self._report = Report(command, obj, settings)
-        self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
             try:
                 settings = self._read(command, obj, settings, follows_mirror=True)
@@ -44,6 +43,8 @@ class FieldJob:
                 settings = self._read(command, obj, settings, follows_mirror=False)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
+            if command == "quad_mesh":
+                self._report.made_from = made_from.made_from(obj, self._report.asked, self._refinement is not None)
 
     def _read(self, command, obj, settings, follows_mirror):
         """Read the request, with arguments of :func:`refinement_of`; returns the settings with its mirror and pins."""
@@ -69,7 +70,7 @@ class FieldJob:
                         return write_quads(obj, request, result, self._report, self._selection, surface, replaced)
             own_surface.bind(obj, self._refinement, self._report.warn)
             _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
-            if hasattr(obj, "synch") and obj.synch.pins == self._pins_before != self._pins:
+            if hasattr(obj, "synch") and obj.synch.pins == self._report.asked.pins != self._pins:
                 assign(obj.synch, "pins", self._pins)
             return write_result(obj, request, result.field, result.pattern, self._report)
 
@@ -149,6 +150,7 @@ def write_quads(obj, request, result, report, selection, surface, replaced=None)
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered
-        assign(made.synch, "made_from", state_of(obj))
-        assign(made.synch, "result", result_line(plain | {"carrier": {}}))  # it is a surface
+        asked = asdict(report.asked) | {"spacing": plain["settings"]["spacing"]}
+        assign(made.synch, "made_from", report.made_from)
+        assign(made.synch, "result", result_line(plain | {"carrier": {}, "settings": asked}))  # it is a surface
     return plain

@@ -8,8 +8,6 @@ redo restore the attributes and this line together, so the state that fits them 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ...core.errors import SynchError
 from ...core.fields import DirectionField, Pattern
 from ...core.tasks.surfaces import SurfaceRequest
@@ -18,9 +16,8 @@ from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, at_the_end
 from ..jobs.lru_cache import LruCache, ObjectCache
 from ..jobs.report import Report
-from ..reading.refinement import state_of
 from ..settings.fields import source_of
-from . import own_surface, write
+from . import made_from, own_surface, write
 
 # Number of objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
 MOST = 8
@@ -173,12 +170,11 @@ def recall(obj):
 
 
 def is_outdated(obj):
-    """Whether an object's mesh, or the one that a quad mesh was made of, has changed since its result was solved;
-    compared again only after a change."""
+    """Whether an object's mesh, or what a quad mesh was made of, has changed since it was solved; compared again only
+    after a change."""
     source = source_of(obj)
     if source is not None and obj.synch.made_from and source.mode == "OBJECT":
-        key = changes.state(source.data), obj.synch.made_from, tuple(source.scale)
-        return _outdated.renewed(obj.session_uid, key, lambda: _is_other(source, obj))
+        return made_from.has_changed(obj, source)
     if obj.mode != "OBJECT" or not holds(obj):
         return False
     given = solve_of(obj).request.given
@@ -189,10 +185,6 @@ def is_outdated(obj):
         tuple(map(tuple, obj.matrix_world.to_3x3())),
     )
     return _outdated.renewed(obj.session_uid, key, lambda: not own_surface.is_unchanged(obj, given))
-
-
-def _is_other(source, made):
-    return made.synch.made_from != state_of(source) or not np.allclose(made.scale, source.scale)
 
 
 def solve_of(obj):

@@ -5,13 +5,15 @@ import math
 from dataclasses import asdict
 
 from ...core.errors import SynchError
+from ...core.settings.setting import records
+from ...core.settings.surface import SurfaceSettings
 from ..jobs.kept_results import read_result_or_empty
 from ..reading.surface import settings_for
 from ..settings.fields import original_of, source_of, stored_settings
 
-# Settings that are compared, those of quad meshes, and the spacing where it is set.
-_NAMES = {"guidance", "symmetry", "angle", "mirror", "branching", "singularities", "aspect", "boundary"}
-_QUAD_MESH_NAMES = {"faces", "features", "smoothing", "loops", "surface"}
+_RECORDS = dict(records(SurfaceSettings))
+# Settings that are compared where they are set, and those on which no pattern depends.
+_SPACING, _OF_NO_PATTERN = "spacing", {"strict", "time_limit", "assign_material"}
 
 
 def shows_other_settings(obj, kind):
@@ -25,15 +27,29 @@ def shows_other_settings(obj, kind):
         now = asdict(settings_for(kind, original_of(obj), stored_settings(obj)))
     except SynchError:
         return False
-    names = set(_NAMES)
-    if kind == "quad_mesh":
-        names |= _QUAD_MESH_NAMES
-        names -= set() if now["mirror"] else {"mirror"}  # it may be that of a modifier
-    if not obj.synch.automatic_spacing and not (kind == "quad_mesh" and now["faces"]):
-        names.add("spacing")
-    return any(not _are_same(now[name], result["settings"].get(name, now[name])) for name in names)
+    before = result["settings"]
+    return any(not _are_same(now[name], before.get(name, now[name])) for name in _compared(kind, now, obj))
+
+
+def _compared(kind, settings, obj):
+    """Names of the settings that a pattern of a kind depends on, beside the others."""
+    for name, record in _RECORDS.items():
+        is_heard = kind in record.commands and name not in _OF_NO_PATTERN
+        if not is_heard or (record.part_of and not settings[record.part_of]):
+            continue
+        if name == _SPACING and (obj.synch.automatic_spacing or (kind == "quad_mesh" and settings["faces"])):
+            continue
+        if (name == "vertex_group" and settings["boundary"] == "free") or (
+            name in ("rounding", "target_gap") and settings["method"] != "sdp"
+        ):
+            continue
+        yield name
 
 
 def _are_same(first, second):
+    if isinstance(first, list | tuple) and isinstance(second, list | tuple):
+        return len(first) == len(second) and all(map(_are_same, first, second))
+    if isinstance(first, dict) and isinstance(second, dict):
+        return first.keys() == second.keys() and all(_are_same(first[name], second[name]) for name in first)
     numbers = isinstance(first, float | int) and isinstance(second, float | int)
     return math.isclose(first, second, rel_tol=1e-4, abs_tol=1e-6) if numbers else first == second

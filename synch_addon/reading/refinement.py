@@ -147,16 +147,17 @@ def made_of(obj, source, refinement):
 def state_of(obj):
     """Hash of the faces of an object's own mesh and of the places of its vertices."""
     polygons = meshes.read_polygons(obj)
-    return _digest(polygons.corner_vertices, polygons.starts, meshes.measured_places(obj))
+    return digest_of(polygons.corner_vertices, polygons.starts, meshes.measured_places(obj))
 
 
 def _topology_of(obj, edges):
     """Hash of the edges and faces of an object's mesh and of the number of its vertices; places do not count."""
     polygons = meshes.read_polygons(obj)
-    return _digest(np.array(len(obj.data.vertices)), edges, polygons.corner_vertices, polygons.starts)
+    return digest_of(np.array(len(obj.data.vertices)), edges, polygons.corner_vertices, polygons.starts)
 
 
-def _digest(*arrays):
+def digest_of(*arrays):
+    """Hash of the bytes of arrays."""
     digest = hashlib.sha1(usedforsecurity=False)
     for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())

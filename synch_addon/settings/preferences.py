@@ -43,7 +43,10 @@ class SynchPreferences(bpy.types.AddonPreferences):
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
-        column.prop(self, "memory_limit")
+        row = column.row()
+        row.prop(self, "memory_limit")
+        if not self.memory_limit:
+            row.label(text=f"{memory_limit() / 2**20:,.0f} MB", translate=False)
         column.prop(self, "manual")
 
 

@@ -123,6 +123,20 @@ def test_nothing_moves_while_a_job_runs(tall, keep):
     assert seen and all(np.allclose(places, before) for places in (*seen, after))
 
 
+def test_nothing_moves_while_a_job_of_another_object_runs(tall):
+    tall.run(PANEL.format("ADVANCED") + "; first = active()")
+    names = ("Direction", "Singularities", "Pattern", "Make")
+    before = [tall.wait_for(name)[1] for name in names]
+    tall.run("bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5); other = active()")
+    tall.run(f"bpy.ops.synch.stripes('INVOKE_DEFAULT'); {_ACTIVE.format('first')}")
+    tall.wait_for("Jobs")
+    assert np.allclose([tall.wait_for(name)[1] for name in names], before)
+    tall.run("queue = part('jobs.queue').queue; queue.cancel(queue.running); area().tag_redraw()")
+    tall.until("queue.running is None")
+    assert not tall.shows("Jobs") and np.allclose([tall.wait_for(name)[1] for name in names], before)
+    tall.run("bpy.data.objects.remove(other)")
+
+
 @pytest.fixture(scope="module")
 def made(tall):
     """The tall window with layers, a quad mesh and filaments: the code that makes each of them the active object."""

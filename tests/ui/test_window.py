@@ -310,6 +310,8 @@ def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     keep("click_2", blender.picture("UI")[:333])
     blender.click("Stripes")  # 3
     blender.wait_for("Variation")
+    gallery = "part('panels.thumbnails').galleries.of(active())"
+    blender.until(f"len({gallery}.made) == {gallery}.count")
     blender.wait_to_see(lambda picture: True, "UI", still=2)
     last = blender.wait_for("Variation")
     _, y, _, height = blender.region("UI")

@@ -27,7 +27,7 @@ from synch_fields.core.settings.keywords import SurfaceKeywords
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.command.main import _parser
 from synch_fields.synch_addon.command.settings import settings_of
-from synch_fields.synch_addon.panels.sidebar import draw_settings
+from synch_fields.synch_addon.panels.setting_rows import draw_settings
 from synch_fields.synch_addon.settings.fields import stored_settings
 
 synch_fields.register()

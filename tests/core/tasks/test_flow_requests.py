@@ -164,6 +164,13 @@ def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file):
     assert told_at_once(FlowRequest(ring_file(), settings)) == pytest.approx(solve_seconds(NODES**3, settings))
 
 
+@pytest.mark.parametrize("quantum, nodes, seconds", [(None, 14336, 1.7), (0.25, 27200, 10.6), (None, 73008, 6.8)])
+def test_curves_take_about_the_time_that_was_measured(quantum, nodes, seconds):
+    """Of a circle at two resolutions, and of two linked ones, on one core."""
+    told = solve_seconds(nodes, FlowSettings(quantum=quantum), is_of_curves=True)
+    assert seconds / 3 < told < 3 * seconds
+
+
 def test_frames_take_a_share_of_the_time_of_the_first(ring_file):
     settings = FlowSettings(target_gap=0.1)
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (1, 2))

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rows of settings in panels, drawn from their records."""
+
+from ...core.settings.setting import records
+
+# Share of the width that Blender gives to the names of settings.
+NAMES = 0.4
+
+
+def property_column(layout):
+    """A column of settings with their names on the left, as in Blender's own panels."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
+
+
+def draw_settings(column, settings, kind, group, own=None):
+    """Draw the settings of a group of the panel, in the order of their declaration.
+
+    Parameters
+    ----------
+    column : UILayout
+    settings : the object's, or an operator's
+    kind : class of the settings
+    group : of the panel, as the records have it
+    own : by name, callables (column) that draw a setting in a way of their own
+    """
+    own = own or {}
+    for name, record in records(kind):
+        if record.group != group or record.part_of:
+            continue
+        if name in own:
+            own[name](column)
+        else:
+            draw_setting(column, settings, name, record.zero)
+
+
+def draw_setting(column, settings, name, zero="", text=None):
+    """Draw a setting with its name on the left; beside a number that is 0, ``zero`` says what that means.
+
+    ``text``: its name, where it is not the property's own.
+    """
+    if not zero or getattr(settings, name):
+        column.prop(settings, name, **({} if text is None else {"text": text}))
+        return
+    split = column.split(factor=NAMES)
+    split.use_property_split = False
+    label, row = split.row(), split.row(align=True)
+    label.alignment = "RIGHT"
+    label.label(text=settings.bl_rna.properties[name].name if text is None else text)
+    row.prop(settings, name, text="")
+    row.label(text=zero)
+
+
+def draw_automatic(column, settings, name, automatic):
+    """A setting below the one that makes it automatic, which is shown where that is not chosen."""
+    column.prop(settings, automatic)
+    if not getattr(settings, automatic):
+        column.prop(settings, name)
+
+
+def skip(column):
+    """Draw nothing of a setting that stands elsewhere."""

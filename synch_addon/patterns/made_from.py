@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a quad mesh was made of: digests of all that its solve reads from its source, besides settings.
+
+They are only read, so that a panel may ask for them while it is drawn.
+"""
+
+import os
+
+import bpy
+import numpy as np
+
+from ...core.errors import SynchError
+from ...core.settings.guidance import GUIDES
+from ..blender import attributes, meshes
+from ..blender.changes import changes
+from ..blender.groups import read_weights
+from ..blender.modifiers import carries, changing_modifiers, foreign_modifiers, is_relief, shows_frames
+from ..jobs.lru_cache import LruCache
+from ..reading.refinement import digest_of, state_of, unequal_levels
+from ..reading.surface import settings_for
+from ..settings.fields import stored_settings
+from .curves_read import curves_read
+
+# In place of a digest of what the solve does not read, or of what cannot be told.
+_UNREAD = "-"
+# Of the last quad meshes that were asked for.
+_changed = LruCache(8)
+
+
+def made_from(obj, settings, reads_modifiers):
+    """What a solve on an object in object mode reads, as a line: digests of its mesh, of what its modifiers make of it,
+    and of what settings name.
+
+    Parameters
+    ----------
+    settings : SurfaceSettings, with the constraint list
+    reads_modifiers : whether the object's own faces are not what is solved on
+    """
+    seen = _seen(obj, settings.surface) if reads_modifiers else _UNREAD
+    return f"{_of_mesh(obj.data, meshes.measured_places(obj))} {seen} {_named(obj, settings)}"
+
+
+def has_changed(made, source):
+    """Whether the source of a quad mesh, in object mode, is not what it was made of; looked at again after a change."""
+    try:
+        settings = settings_for("quad_mesh", source, stored_settings(made))
+        read = settings, curves_read(source, settings)
+    except SynchError:  # what settings ask for cannot be
+        settings = read = None
+    states = changes.state(source.data), changes.state(source), _levels(source)
+    key = *states, made.synch.made_from, tuple(source.scale), read
+    return _changed.renewed(made.session_uid, key, lambda: _compare(made, source, settings))
+
+
+def _compare(made, source, settings):
+    if not np.allclose(made.scale, source.scale):
+        return True
+    before = made.synch.made_from.split()
+    if settings is None or len(before) == 1:  # of an earlier version
+        return before[0] != state_of(source)
+    now = made_from(source, settings, reads_modifiers=before[1] != _UNREAD).split()
+    return any(one != other for one, other in zip(before, now, strict=True) if _UNREAD not in (one, other))
+
+
+def _seen(obj, surface):
+    """Digest of what modifiers make of an object, where the surface of that name ("seen") is made of it."""
+    if any(is_relief(one) or shows_frames(one) or carries(one) for one in obj.modifiers if one.show_viewport):
+        return _UNREAD
+    if not (foreign_modifiers(obj) if surface == "seen" else changing_modifiers(obj)):
+        return digest_of()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    try:
+        places = attributes.read_all(mesh.attributes["position"].data, "vector", 3, np.float32)
+        return _of_mesh(mesh, places, _levels(obj))
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _of_mesh(mesh, places, *more):
+    """Digest of the faces of a mesh and of (n, 3) places of its vertices."""
+    corners = mesh.attributes.get(".corner_vert")
+    corners = () if corners is None else attributes.read_all(corners.data, "value")
+    starts = attributes.read_all(mesh.polygons, "loop_start")
+    return digest_of(np.float32(places), np.int32(corners), starts, *map(np.array, more))
+
+
+def _levels(obj):
+    """Levels of modifiers that differ in renders, which are no change of what the viewport shows."""
+    return tuple((one.levels, one.render_levels) for one in unequal_levels(obj))
+
+
+def _maps(settings):
+    return {name for name in (settings.angle_attribute, settings.spacing_map) if name}
+
+
+def _named(obj, settings):
+    """Digest of the groups, attributes, marks, curves and files of an object that settings name."""
+    rows, sources = settings.all_constraints, settings.sources
+    names = _maps(settings) | {row.name for row in rows if row.where in ("boundary", "group", "attribute")}
+    names |= {source.name for source in sources if GUIDES[source.kind].names in ("numbers", "origin", "vectors")}
+    maps = {source.name for source in sources if GUIDES[source.kind].names == "uv_map"}
+    active = obj.data.uv_layers.active
+    names |= {name or getattr(active, "name", "") for name in maps}
+    marks = {row.where for row in rows} | ({"sharp"} if settings.features > 0 else set())
+    parts = [part for name in sorted(names - {""}) for part in (name, _values(obj, name))]
+    parts += [attributes.read_marked_edges(obj, mark) for mark in sorted(marks & set(attributes.MARKS))]
+    parts += [part for curve in curves_read(obj, settings) for part in curve]
+    parts += [_file(source.name) for source in sources if GUIDES[source.kind].names == "path"]
+    return digest_of(*(np.frombuffer(part.encode(), np.uint8) if isinstance(part, str) else part for part in parts))
+
+
+def _values(obj, name):
+    """The values of an attribute, or else the weights of a vertex group; none where there is neither."""
+    attribute = obj.data.attributes.get(name)
+    if attribute is not None:
+        values = attributes.read_values(obj, name, attribute.domain)
+        return np.empty(0) if values is None else values
+    return read_weights(obj, name) if name in obj.vertex_groups else np.empty(0)
+
+
+def _file(path):
+    """When a file was changed, and its size; "" where there is none."""
+    try:
+        found = os.stat(bpy.path.abspath(path))
+    except OSError:
+        return ""
+    return f"{found.st_mtime_ns} {found.st_size}"
