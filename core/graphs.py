@@ -41,7 +41,7 @@ def walk_trees(
 
 def pair_keys(pairs: np.ndarray, count: int) -> np.ndarray:
     """Number (..., 2) pairs of ``count`` nodes, the same whichever way they run."""
-    first, second = pairs[..., 0], pairs[..., 1]
+    first, second = np.moveaxis(np.asarray(pairs, np.int64), -1, 0)  # keys do not fit into the 32 bits of some indices
     return np.minimum(first, second) * count + np.maximum(first, second)
 
 

@@ -5,7 +5,7 @@ import math
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
@@ -23,6 +23,8 @@ _SURE = 0.75
 RESERVED = 2.5
 # Linux: the list of a process's control groups; by version 2 or not, their folder and the file with a group's limit.
 _OWN_GROUPS = Path("/proc/self/cgroup")
+# Linux: what is told of this process.
+_STATUS = Path("/proc/self/status")
 _GROUPS = {True: ("/sys/fs/cgroup", "memory.max"), False: ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")}
 
 
@@ -147,9 +149,12 @@ def peak_megabytes() -> float:
         return _windows_process()[1] / 2**20
     if sys.platform == "darwin":
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    # Linux counts in ru_maxrss what the parent had when it started this process.
-    lines = Path("/proc/self/status").read_text().splitlines()
-    return next(float(line.split()[1]) for line in lines if line.startswith("VmHWM:")) / 2**10
+    # Linux counts in ru_maxrss what the parent had when it started this process; some containers tell only that.
+    with suppress(OSError):
+        for line in _STATUS.read_text().splitlines():
+            if line.startswith("VmHWM:"):
+                return float(line.split()[1]) / 2**10
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
 
 
 def machine_bytes() -> int:

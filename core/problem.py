@@ -148,9 +148,7 @@ class SynchronizationProblem:
 
     def turned_by(self, turns: np.ndarray) -> Self:
         """Turn the first k transports by (k,) radians more; the pieces keep their rows."""
-        twin = copy(self)  # keeps all that depends only on the graph and its flips
-        twin.__dict__.pop("factor", None)
-        twin.__dict__.pop("pieces", None)
+        twin = self.without_matrices  # keeps all that depends only on the graph and its flips
         transports = self.connection.transports.copy()
         units = circle_transports(turns)
         units = units if transports.ndim == 1 else as_matrices(units)
@@ -181,6 +179,14 @@ class SynchronizationProblem:
         if all(np.array_equal(own, known) for own, known in zip(*parts, strict=True)):
             names = ("_components", "_gauge", "_embedding", "_scales", "_places")
             self.__dict__ |= {name: other.__dict__[name] for name in names if name in other.__dict__}
+
+    @property
+    def without_matrices(self) -> Self:
+        """A copy that has to make its matrices again, to be kept for :meth:`adopt`."""
+        twin = copy(self)
+        twin.__dict__.pop("factor", None)
+        twin.__dict__.pop("pieces", None)
+        return twin
 
     # Gauge: turn nodes over where this removes all flips of a component.
 

@@ -44,8 +44,9 @@ class Follower:
         """Prepare a problem by what the one before it knows; False if it is not on the circle or has many pieces."""
         if self._before is not None:
             problem.adopt(self._before)
-        self._before = problem
-        return problem.is_circle and len(problem.pieces) <= MOST_PIECES
+        is_followed = problem.is_circle and len(problem.pieces) <= MOST_PIECES
+        self._before = problem.without_matrices
+        return is_followed
 
     def solve(self, problem: SynchronizationProblem, phases: np.ndarray, callback: Callback | None = None) -> Solution:
         """The solution, without a bound, that some steps from (n,) complex phases lead to.

@@ -72,6 +72,15 @@ def test_pairs_are_found_whichever_way_they_run():
     assert -1 in expected and find(np.empty(0, int), np.arange(4)).tolist() == [-1] * 4
 
 
+def test_pairs_of_many_nodes_have_keys_of_their_own_in_short_integers():
+    """On Windows the integers of older NumPy have 32 bits."""
+    count = 60_000
+    path = np.column_stack([np.arange(count - 1), np.arange(1, count)]).astype(np.int32)
+    keys = pair_keys(path, count)
+    assert len(np.unique(keys)) == count - 1 and keys.dtype == np.int64
+    np.testing.assert_array_equal(keys, pair_keys(path[:, ::-1].astype(np.int64), count))
+
+
 @pytest.mark.parametrize("counts", [[3, 0, 2, 1], [0, 0], [], [4], *np.random.default_rng(1).integers(0, 4, (5, 9))])
 def test_ragged_arange_counts_within_each_row(counts):
     rows, places = ragged_arange(np.array(counts, int))

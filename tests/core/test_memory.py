@@ -103,6 +103,19 @@ def test_the_peak_of_a_process_is_its_own():
     assert large.nbytes / 2**20 > 300 > numbers_of_child(code)[0] > 150
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
+def test_a_peak_is_found_where_the_system_tells_less(tmp_path, monkeypatch):
+    whole = memory.peak_megabytes()
+    for text in ("Name:\tpython\nVmRSS:\t1234 kB\n", None):
+        status = tmp_path / "status"
+        if text is None:
+            status.unlink()
+        else:
+            status.write_text(text)
+        monkeypatch.setattr(memory, "_STATUS", status)
+        assert memory.peak_megabytes() >= 0.9 * whole
+
+
 MEASURE = """
 import numpy as np
 from synch_fields.core.fields.directions import direction_problem

@@ -94,6 +94,7 @@ def test_a_problem_takes_from_the_one_before_only_what_is_its_own():
         assert follower.take_on(flips) and follower.take_on(problem) and fresh.take_on(again)
         assert (problem._embedding is flips._embedding) == adopts
         np.testing.assert_array_equal(follower.solve(problem, phases).phases, fresh.solve(again, phases).phases)
+        assert not {"factor", "pieces"} & set(vars(follower._before)) and "_embedding" in vars(follower._before)
 
 
 def test_only_fields_on_the_circle_in_few_pieces_are_followed():

@@ -33,6 +33,8 @@ CUTTING = 3.0
 PART_REACH = 0.25
 # Chains longer or shorter than the line by more than this factor are rejected.
 LENGTH_RATIO = 2.0
+# Share of a line's length up to which nothing of it is lost.
+ROUNDING = 1e-9
 # Vertices of a chain nearer to each other than this part of their mean distance are spread evenly.
 SMALLEST_GAP = 0.25
 
@@ -56,8 +58,9 @@ class Chains:
     @property
     def lost(self) -> np.ndarray:
         """(k,) lengths that are not followed, of the lines that are not followed as a whole."""
-        lost = self.features.lengths - self.followed
-        return lost[lost > 0]
+        lengths = self.features.lengths
+        lost = lengths - self.followed
+        return lost[lost > ROUNDING * lengths]
 
     def of_vertices(self, which: np.ndarray) -> "Chains":
         """The chains of a quad mesh with (k,) of the vertices."""
@@ -104,7 +107,7 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
             for vertices, ways, length in _parts(quads, features, number, side, usable, at_corner, near):
                 lines[vertices], taken[vertices] = number, True
                 quads = move_vertices(quads, vertices, *features.at(number, ways))
-                followed[number] += length
+                followed[number] = min(followed[number] + length, features.lengths[number])
             continue
         vertices, ways, cuts = chain
         lines[vertices], taken[vertices] = number, True
@@ -321,24 +324,26 @@ def _parts(
     Arguments as of :func:`_chain`.
     """
     line, length = features.lines[number], features.lengths[number]
+    is_loop = line[0] == line[-1]
     ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
     ways[near], apart[near] = features.nearest(number, quads.vertices[near])
     at_ends = [] if features.closed[number] else [at_corner.get(int(corner), -1) for corner in line[[0, -1]]]
     for vertex, way in zip(at_ends, (0.0, length), strict=False):
         if vertex >= 0:
-            apart[np.abs(ways - way) < SMALLEST_GAP * side] = np.inf
+            apart[(np.abs(ways - way) < SMALLEST_GAP * side) & (np.arange(len(ways)) != vertex)] = np.inf
             ways[vertex], apart[vertex] = way, 0.0
     edges = edges[(apart[edges] < PART_REACH * side).all(axis=1)]
     steps = np.linalg.norm(np.diff(quads.vertices[edges], axis=1)[:, 0], axis=1)
     onwards = np.diff(ways[edges], axis=1)[:, 0]
-    if features.closed[number]:
+    if is_loop:
         onwards = (onwards + length / 2) % length - length / 2
-    usable = np.abs(onwards) * LENGTH_RATIO > steps
+    usable = (np.abs(onwards) * LENGTH_RATIO > steps) & (np.abs(onwards) < LENGTH_RATIO * steps)
     edges = np.where(onwards[:, None] > 0, edges, edges[:, ::-1])[usable]
     nodes, ends = np.unique(edges, return_inverse=True)
     ends = ends.reshape(-1, 2)
     graph = coo_matrix((np.abs(onwards[usable]), ends.T), shape=(len(nodes), len(nodes))).tocsr()
     begins = np.setdiff1d(ends[:, 0], ends[:, 1])
+    begins = begins if len(begins) else ends[:1, 0]  # edges all around a loop
     reached, before = dijkstra(graph, indices=begins, return_predecessors=True)
     reached[~np.isfinite(reached)] = 0
     free = np.ones(len(nodes), bool)

@@ -90,10 +90,16 @@ def test_fandisk_keeps_its_lines_but_for_a_piece():
     assert cKDTree(quads.vertices).query(corners)[0].max() < 1e-6
 
 
-def ring_on_cylinder(left_out=0):
-    """A cylinder of rows of quads as a QuadMesh of its own faces, and the line around it at half its height."""
+def ring_on_cylinder(left_out=0, kink=0.0):
+    """A cylinder of rows of quads as a QuadMesh of its own faces, and the line around it at half its height.
+
+    One of its vertices may be higher than the others, which makes it a corner.
+    """
     around, rows = 24, 8
     mesh, faces = cylinder(1.0, 2.0, around, rows), grid_quads(around, rows, wrap_columns=True)
+    mesh = TriangleMesh(
+        mesh.vertices + np.outer(np.arange(mesh.vertex_count) == rows // 2, [0, 0, kink]), mesh.triangles
+    )
     corner = np.zeros(mesh.vertex_count, int)
     corner[mesh.triangles.ravel()] = np.arange(3 * mesh.triangle_count)
     quads = QuadMesh(mesh.vertices, corner // 3, np.eye(3)[corner % 3], faces.ravel(), np.full(len(faces), 4))
@@ -143,11 +149,16 @@ def test_a_face_that_a_line_crosses_is_cut_along_it():
     assert set(map(tuple, mended.edges[0])) == set(map(tuple, quads.edges[0]))
 
 
-@pytest.mark.parametrize("left_out", [0, 4])
-def test_edges_follow_the_parts_of_a_line_that_they_lie_on(left_out):
-    """A line along which faces are missing at three places, one of them its end."""
-    quads, features, ring = ring_on_cylinder(left_out)
-    missing = ring[[0, 8, 13], 0]
+@pytest.mark.parametrize(
+    ("left_out", "kink", "places"),
+    [(0, 0.0, [0, 8, 13]), (4, 0.0, [0, 8, 13]), (0, 0.095, [8, 13]), (0, 0.095, [0, 8, 13]), (0, 0.095, [12])],
+    ids=["closed", "open without an end", "with one corner", "without its corner", "from the corner on both sides"],
+)
+def test_edges_follow_the_parts_of_a_line_that_they_lie_on(left_out, kink, places):
+    """A line along which faces are missing at some places."""
+    quads, features, ring = ring_on_cylinder(left_out, kink)
+    assert len(features.corners) == (2 if left_out else kink > 0)
+    missing = ring[places, 0]
     left = quads.only(~np.isin(quads.corner_vertices.reshape(-1, 4), missing).any(axis=1))
     _, chains = follow_features(left, features)
     there = ring[~np.isin(ring, missing).any(axis=1)]
