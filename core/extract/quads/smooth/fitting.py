@@ -13,7 +13,7 @@ from ....geometry.barycentric import barycentric
 from ....unit_vectors import unit_vectors
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
 from ..measure.quality import corner_angles
-from ..trace.quad_mesh import QuadMesh
+from ..trace.quad_mesh import SHORTEST, QuadMesh
 
 # Share by which the sides of target rectangles are moved to their mean length in the first round, falling linearly.
 SQUARE = 0.5
@@ -40,8 +40,18 @@ def fit_quads(
         np.add.at(moved, quads.corner_vertices, weights * _target_corners(quads, mesh, square))
         np.add.at(sums, quads.corner_vertices, weights)
         moved /= np.maximum(sums, _TINY)
-        quads = project_vertices(quads, mesh, lines, chains, movable, moved[movable])
+        before, quads = quads, project_vertices(quads, mesh, lines, chains, movable, moved[movable])
+        met = np.intersect1d(movable, _ends_without_length(quads))
+        if len(met):  # the nearest point of the surface to both is a corner: they stay where they were
+            quads = move_vertices(quads, met, before.vertices[met], before.triangles[met], before.weights[met])
     return quads
+
+
+def _ends_without_length(quads: QuadMesh) -> np.ndarray:
+    """The ends of edges without length."""
+    ends = quads.half_edges
+    lengths = np.linalg.norm(quads.vertices[ends[:, 1]] - quads.vertices[ends[:, 0]], axis=1)
+    return ends[lengths < SHORTEST * np.median(lengths)].ravel()
 
 
 def sliding_lines(free: np.ndarray, chains: Chains | None) -> np.ndarray:

@@ -8,6 +8,7 @@ import pytest
 from synch_fields.core.extract.quads.features.chains import follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
+from synch_fields.core.extract.quads.smooth import fitting
 from synch_fields.core.extract.quads.smooth.fitting import fit_quads, project_vertices
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 
@@ -46,6 +47,18 @@ def test_squares_come_back_and_the_rim_stays():
     np.testing.assert_array_equal(after.vertices[~inside], quads.vertices[~inside])
     assert np.abs(corner_angles(after) - 90).max() < 0.1 * np.abs(corner_angles(rough) - 90).max()
     assert np.linalg.norm(after.vertices - quads.vertices, axis=1).max() < 0.05 / CELLS
+
+
+def test_vertices_to_which_a_corner_is_nearest_do_not_meet_there(monkeypatch):
+    """The targets of two of them lie outside of the square, beyond the corner between its sides."""
+    mesh, quads, inside = grid()
+    beside = np.flatnonzero(np.abs(np.linalg.norm(quads.vertices, axis=1) - 1 / CELLS) < 1e-9)
+    targets = quads.vertices[quads.corner_vertices] - np.isin(quads.corner_vertices, beside)[:, None] * [0.5, 0.5, 0]
+    monkeypatch.setattr(fitting, "_target_corners", lambda *_: targets)
+    free = np.isin(np.arange(len(quads.vertices)), beside)
+    assert len(beside) == 2 and not inside[beside].any()
+    after = fit_quads(quads, mesh, free, 1)
+    np.testing.assert_allclose(after.vertices, quads.vertices, atol=1e-12)
 
 
 @pytest.mark.parametrize(("beyond", "folds"), [(0.0, 0), (1e-9, 0), (0.02, 1)])
