@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.synch_addon.blender.strokes import polylines
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.made_from import made_from
 from synch_fields.synch_addon.patterns.other_settings import shows_other_settings
@@ -182,6 +183,47 @@ def test_curves_count_by_their_course_and_place(thickness):
     curve.data.update_tag()
     assert is_noticed(made)
     assert (len(bpy.data.objects), len(bpy.data.curves)) == blocks
+
+
+def test_shape_keys_of_thick_curves_count():
+    ball = sphere()
+    curve = add_curve([(0, 0, 1.2), (1.2, 0, 0), (0, 0, -1.2)])
+    bezier = curve.data.splines.new("BEZIER")
+    bezier.bezier_points.add(1)
+    for point, place in zip(bezier.bezier_points, ((0, -1.2, 0), (-1.2, 0, 0)), strict=True):
+        point.co = point.handle_left = point.handle_right = place
+    curve.data.bevel_depth = 0.1
+    for name in ("Basis", "Bent", "Wide"):
+        key = curve.shape_key_add(name=name, from_mix=False)
+        key.value = 0.5
+        key.data[1].co.x += len(curve.data.shape_keys.key_blocks) / 10
+    keys = curve.data.shape_keys
+    bent = keys.key_blocks["Bent"]
+    row = ball.synch.constraints.add()
+    row.where, row.curve, row.what = "CURVE", curve, "ALONG"
+    made = made_of(ball)
+    assert not is_noticed(made)
+    changes = [(bent.data[1], "co", (1.0, 0.4, 0.0)), (bent.data[4], "handle_left", (-1.0, -0.4, 0.0))]
+    changes += [(bent, "mute", True), (bent, "relative_key", keys.key_blocks["Wide"]), (bent, "value", 0.2)]
+    changes += [(keys, "use_relative", False)]
+    for owner, name, value in changes:
+        before, lines = getattr(owner, name), np.concatenate(polylines(curve))
+        before = before.copy() if hasattr(before, "copy") else before
+        setattr(owner, name, value)
+        now = np.concatenate(polylines(curve))
+        assert now.shape != lines.shape or abs(now - lines).max() > 0.01, name
+        assert is_noticed(made), name
+        setattr(owner, name, before)
+        assert not is_noticed(made), name
+    keys.use_relative = False
+    made = made_of(ball)
+    for owner, name, value in ((keys, "eval_time", 15.0), (bent, "interpolation", "KEY_CARDINAL")):
+        lines = np.concatenate(polylines(curve))
+        setattr(owner, name, value)
+        assert abs(np.concatenate(polylines(curve)) - lines).max() > 1e-3, name
+        assert is_noticed(made), name
+        made = made_of(ball)
+        assert not is_noticed(made), name
 
 
 def test_marks_of_edges_count():
