@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.strokes import polylines
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.made_from import made_from
@@ -94,6 +95,33 @@ def test_what_a_modifier_depends_on_counts_too():
     assert not is_noticed(made)
 
 
+@pytest.mark.parametrize("switch", ["object", "collection", "layer"])
+def test_a_source_that_is_not_evaluated_counts_as_before(switch):
+    collection = bpy.data.collections.new("Sources")
+    bpy.context.scene.collection.children.link(collection)
+    ball = sphere()
+    for other in ball.users_collection:
+        other.objects.unlink(ball)
+    collection.objects.link(ball)
+    layer = bpy.context.view_layer.layer_collection.children["Sources"]
+    ball.synch.surface = "SEEN"
+    modifier = wave(ball)
+    made = made_of(ball)
+    owner = {"object": ball, "collection": collection, "layer": layer}[switch]
+    name = "exclude" if switch == "layer" else "hide_viewport"
+    setattr(owner, name, True)
+    bpy.context.view_layer.update()
+    seen = ball.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    np.testing.assert_array_equal(places(seen), places(ball))  # the modifier does not run
+    for hidden in (True, False, True):
+        setattr(owner, name, hidden)
+        assert not is_noticed(made), hidden
+    modifier.factor = 0.4
+    assert not is_noticed(made)  # not yet known
+    setattr(owner, name, False)
+    assert is_noticed(made)
+
+
 @pytest.mark.any_surface
 def test_modifiers_of_a_coarse_mesh_count_and_those_of_its_own_faces_do_not():
     for surface, expected in (("AUTOMATIC", True), ("FACES", False)):
@@ -162,6 +190,25 @@ def test_vectors_that_guide_exactly_count():
     made = made_of(ball)
     assert not is_noticed(made)
     renew(ball, "flow", np.cross(places(ball), (1.0, 0.2, 0.1)), "vector")
+    assert is_noticed(made)
+
+
+def test_files_that_guide_count(tmp_path):
+    ball, path = sphere(), tmp_path / "field.rosy"
+    for angle in (0.0, 0.5):
+        api.directions(ball, guidance="axis:Z", angle=angle)
+        api.export_field(ball, tmp_path / f"{angle}.rosy", "line")
+    texts = [(tmp_path / f"{angle}.rosy").read_bytes() for angle in (0.0, 0.5)]
+    assert texts[0] != texts[1]
+    path.write_bytes(texts[0])
+    ball.synch.guidance, ball.synch.guide.path = "FILE", str(path)
+    made = made_of(ball)
+    assert not is_noticed(made)
+    path.write_bytes(texts[1])
+    assert is_noticed(made)
+    made = made_of(ball)
+    assert not is_noticed(made)
+    path.unlink()
     assert is_noticed(made)
 
 
