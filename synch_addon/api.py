@@ -43,7 +43,6 @@ from .patterns import lines as line_object
 from .patterns import memory
 from .patterns.carrying import add_carry
 from .patterns.job import FieldJob, rewrite, write_quads, write_result
-from .patterns.made_from import made_from
 from .patterns.numbers import number_stripes as number_stripes
 from .patterns.read_back import shown_pattern
 from .patterns.refine import refine as refine
@@ -210,7 +209,7 @@ def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothin
         found = SurfaceResult(solved.field, solved.pattern, **request.finish(*request.trace(solved.pattern)))
         report = solved.report.for_another_result("quad_mesh")
         report.take(found)
-        report.made_from = made_from(obj, report.asked, surface_of(obj) != obj)
+        report.asked = replace(report.asked, pins=report.settings.pins)  # on the faces that the object has now
         return write_quads(obj, request, found, report, Selection.now(), surface_of(obj))
 
 

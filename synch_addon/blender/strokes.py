@@ -18,6 +18,8 @@ SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
 _SMOOTHED = 1.5
 # What the course of a spline depends on besides its points.
 _OF_SPLINES = ("use_cyclic_u", "use_endpoint_u", "use_bezier_u", "order_u", "resolution_u")
+# Places of a shape key's points; only those of Bézier splines have handles.
+_OF_KEYS = ("co", "handle_left", "handle_right")
 
 
 def read_strokes(obj, name, given):
@@ -81,13 +83,24 @@ def shape_of(source):
     drawn."""
     if not _is_of_splines(source):
         return polylines(source)
-    keys = source.data.shape_keys
-    shape = [np.array([key.value for key in keys.key_blocks])] if keys is not None else []
+    shape = list(_shape_of_keys(source.data.shape_keys))
     for spline in source.data.splines:
         shape.append(np.array([getattr(spline, name) for name in _OF_SPLINES]))
         shape += [read_all(spline.bezier_points, name, 3, np.float32) for name in ("co", "handle_left", "handle_right")]
         shape.append(read_all(spline.points, "co", 4, np.float32))
     return shape
+
+
+def _shape_of_keys(keys):
+    """Arrays of what the shape of a curve depends on in its shape keys, which may be None."""
+    if keys is None:
+        return
+    blocks = keys.key_blocks
+    yield np.array([keys.use_relative, keys.eval_time])
+    for block in blocks:
+        yield np.array([block.value, block.mute, blocks.find(block.relative_key.name), block.frame])
+        yield np.frombuffer(block.interpolation.encode(), np.uint8)
+        yield np.array([getattr(point, name) for point in block.data for name in _OF_KEYS if hasattr(point, name)])
 
 
 def _is_of_splines(source):

@@ -33,7 +33,7 @@ class Report:
         self.surface = None  # figures of the finer surface, if the pattern is on one
         self.shape_key = None  # name of the one whose shape was solved on
         self.curves_read = ()  # state of the curves that the settings name, to notice a change
-        self.made_from = ""  # state of all that a quad mesh is made of, likewise
+        self.made_from = ""  # state of all that a quad mesh is made of, likewise; "" where shown quads were traced
         self._settled = {}
         self._start = time.perf_counter()
         self._request = None

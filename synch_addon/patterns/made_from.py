@@ -21,7 +21,7 @@ from ..reading.surface import settings_for
 from ..settings.fields import stored_settings
 from .curves_read import curves_read
 
-# In place of a digest of what the solve does not read, or of what cannot be told.
+# Stands for a digest where the solve reads nothing, or where it is unknown whether that has changed.
 _UNREAD = "-"
 # Of the last quad meshes that were asked for.
 _changed = LruCache(8)
@@ -44,7 +44,7 @@ def has_changed(made, source):
     """Whether the source of a quad mesh, in object mode, is not what it was made of; looked at again after a change."""
     try:
         settings = settings_for("quad_mesh", source, stored_settings(made))
-        read = settings, curves_read(source, settings)
+        read = settings, curves_read(source, settings), _files(settings)
     except SynchError:  # what settings ask for cannot be
         settings = read = None
     states = changes.state(source.data), changes.state(source), _levels(source)
@@ -63,12 +63,18 @@ def _compare(made, source, settings):
 
 
 def _seen(obj, surface):
-    """Digest of what modifiers make of an object, where the surface of that name ("seen") is made of it."""
+    """Digest of what modifiers make of an object, where the surface of that name ("seen") is made of it.
+
+    It is not read where a modifier of ours shows a pattern, nor where the view layer does not evaluate the object.
+    """
     if any(is_relief(one) or shows_frames(one) or carries(one) for one in obj.modifiers if one.show_viewport):
         return _UNREAD
     if not (foreign_modifiers(obj) if surface == "seen" else changing_modifiers(obj)):
         return digest_of()
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    graph = bpy.context.evaluated_depsgraph_get()
+    evaluated = obj.evaluated_get(graph)
+    if all(one != evaluated for one in graph.ids):
+        return _UNREAD
     mesh = evaluated.to_mesh()
     try:
         places = attributes.read_all(mesh.attributes["position"].data, "vector", 3, np.float32)
@@ -106,7 +112,7 @@ def _named(obj, settings):
     parts = [part for name in sorted(names - {""}) for part in (name, _values(obj, name))]
     parts += [attributes.read_marked_edges(obj, mark) for mark in sorted(marks & set(attributes.MARKS))]
     parts += [part for curve in curves_read(obj, settings) for part in curve]
-    parts += [_file(source.name) for source in sources if GUIDES[source.kind].names == "path"]
+    parts += _files(settings)
     return digest_of(*(np.frombuffer(part.encode(), np.uint8) if isinstance(part, str) else part for part in parts))
 
 
@@ -117,6 +123,11 @@ def _values(obj, name):
         values = attributes.read_values(obj, name, attribute.domain)
         return np.empty(0) if values is None else values
     return read_weights(obj, name) if name in obj.vertex_groups else np.empty(0)
+
+
+def _files(settings):
+    """For each file that guides name, what :func:`_file` says."""
+    return [_file(source.name) for source in settings.sources if GUIDES[source.kind].names == "path"]
 
 
 def _file(path):

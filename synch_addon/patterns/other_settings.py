@@ -17,11 +17,15 @@ _SPACING, _OF_NO_PATTERN = "spacing", {"strict", "time_limit", "assign_material"
 
 
 def shows_other_settings(obj, kind):
-    """Whether an object shows a pattern of a kind that was solved with other settings than the panel has now."""
+    """Whether an object shows a pattern of a kind that was solved with other settings than the panel has now.
+
+    Never for a quad mesh that was traced from a shown pattern: the panel has the settings of a quad mesh, not those of
+    the pattern.
+    """
     result = read_result_or_empty(obj.synch.result)
     if kind == "directions" or result.get("command") != kind or not result.get("settings"):
         return False
-    if kind == "quad_mesh" and source_of(obj) is None:
+    if kind == "quad_mesh" and (source_of(obj) is None or not obj.synch.made_from):
         return False
     try:
         now = asdict(settings_for(kind, original_of(obj), stored_settings(obj)))
