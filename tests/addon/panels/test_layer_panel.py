@@ -62,7 +62,7 @@ def test_the_panel_tells_beforehand_how_many_tetrahedra_there_will_be(size):
     surface = read_surface(obj)
     assert count == pytest.approx(estimate(surface.distance, size).tets, rel=0.02)
     if size is not None:
-        assert count == pytest.approx(surface.filled(size).tet_count, rel=0.1)
+        assert count == pytest.approx(surface.filled(size).solid.tet_count, rel=0.1)
 
 
 @pytest.mark.parametrize(
