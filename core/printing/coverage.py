@@ -35,7 +35,7 @@ class BeadDistances:
     begins, ends : (k, 3) of straight pieces of beads
     layers : (k,) of these
     step : between beads
-    others : distances to more beads, of which only :meth:`__call__` knows
+    others : distances to more beads, which :meth:`__call__` takes into account and :meth:`nearest` does not
     """
 
     def __init__(

@@ -71,8 +71,11 @@ def layer_memory(
 
 
 def _proof_bytes(measures: Measures, size: float) -> float:
-    """Bytes of a factorization; 0 where none is tried."""
+    """Bytes of a factorization; 0 where none is tried, and for surfaces that enclose no body: moments of inertia of
+    open surfaces and of surfaces inside out can be negative, and extents are then 0."""
     longest, middle, shortest = measures.extents
+    if not shortest > 0:
+        return 0.0
     rows = _INSIDE * measures.volume / size**3 + _AT_SURFACE * measures.area / size**2
     section, rim = measures.volume / longest / size**2, measures.area / longest / size
     front = _FRONT * (section + rim)

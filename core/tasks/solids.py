@@ -18,8 +18,9 @@ from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..geometry import TriangleMesh
 from ..geometry.filling.closed_surface import Area, ClosedSurface
-from ..geometry.filling.lengths import Estimate, Lengths, Measures
+from ..geometry.filling.lengths import MOST_TETS, Estimate, Lengths, Measures
 from ..geometry.filling.stuffing import estimated_tets
+from ..geometry.filling.thin_walls import MOST, SHARE, Filling
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
@@ -30,9 +31,9 @@ from ..solution import Clock
 from ..solve import Options
 from .solid_memory import LayerMemory, layer_memory
 
-# Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, and of
-# its volume where the guide has no direction.
-LOST_VOLUME, COVERED, CONTINUED = 0.1, 0.95, 0.1
+# Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, of its
+# volume where the guide has no direction, and of the volume of thin walls where tetrahedra are too large.
+LOST_VOLUME, COVERED, CONTINUED, COARSE_WALLS = 0.1, 0.95, 0.1, 0.01
 # Approximate seconds for each tetrahedron, on one core.
 TET_SECONDS = 4e-5
 # Where the parts of the work begin, as shares of it.
@@ -105,11 +106,13 @@ class SolidRequest:
         else, insufficient memory included."""
         monitor, clock = Monitor(progress), Clock()
         tets = self.estimate.tets
-        check_memory(self.memory.needed, f"a solve of layers in {tets:,} tetrahedra")
+        _check_memory(self.memory, tets)
         expect(progress, TET_SECONDS * tets)
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
-            solid = monitor.during(self._fill)
+            solid, coarse = monitor.during(self._fill)
+        if solid.tet_count > tets:  # thin walls have smaller ones than was estimated
+            _check_memory(self._memory_in(solid.tet_count), solid.tet_count)
         filled = FilledSurface(self.surface, solid)
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
@@ -137,6 +140,7 @@ class SolidRequest:
         warnings = (
             *self._about_loss(solid),
             *self._about_holes(solid),
+            *self._about_walls(coarse),
             *self._about_rims(filled, groups),
             *self._about_far(far),
             *self._about_directions(continued),
@@ -155,15 +159,19 @@ class SolidRequest:
 
     @property
     def memory(self) -> LayerMemory:
-        """Memory that the solve takes."""
+        """Memory that the solve takes, without the further tetrahedra in thin walls, which are counted once made."""
+        return self._memory_in(None if self.solid is None else self.solid.tet_count)
+
+    def _memory_in(self, tets: int | None) -> LayerMemory:
+        """Memory that the solve takes in so many tetrahedra, or in those that are made."""
         # Directions of an axis have no curl, and a layer on one area only does not add any.
         is_searched = not self.guide.is_axis or self.factors is not None or len(self.flush_areas) > 1
-        mesh, tets = self.surface.distance.mesh, None if self.solid is None else self.solid.tet_count
+        mesh = self.surface.distance.mesh
         return layer_memory(Measures.of(mesh.vertices, mesh.triangles), self.lengths, is_searched, tets)
 
-    def _fill(self) -> TetMesh:
+    def _fill(self) -> Filling:
         if self.solid is not None:
-            return self.solid
+            return Filling(self.solid)
         return self.surface.filled(self.lengths.size, [flush.area for flush in self.flush_areas])
 
     def _follow_guide(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
@@ -195,6 +203,14 @@ class SolidRequest:
             has = f"has {number} that the surface has not, where it closes narrow gaps"
             lacks = f"lacks {number} of the surface, too narrow for it"
             yield f"the solid {has if more > 0 else lacks}: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
+
+    def _about_walls(self, coarse: float) -> Iterator[str]:
+        if coarse > COARSE_WALLS:
+            yield (
+                f"in {coarse:.0%} of the thin walls between groups, tetrahedra are longer than {SHARE:.0%} of the "
+                f"thickness: smaller ones would be more than {MOST:g} times as many, or than {MOST_TETS:,}; reduce the "
+                f"size of the tetrahedra, {self.lengths.size:.3g}"
+            )
 
     def _about_far(self, far: dict[str, float]) -> Iterator[str]:
         for name, share in far.items():
@@ -258,6 +274,10 @@ class SolidResult:
     @property
     def solid(self) -> TetMesh:
         return self.pattern.mesh
+
+
+def _check_memory(memory: LayerMemory, tets: int) -> None:
+    check_memory(memory.needed, f"a solve of layers in {tets:,} tetrahedra")
 
 
 def _about_edges(one_form: SolidTargetOneForm, divisions: int) -> Iterator[str]:

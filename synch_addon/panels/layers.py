@@ -105,7 +105,7 @@ def _draw_expected(layout, obj):
     if obj.mode == "EDIT" or len(obj.data.polygons) == 0:
         return
     stored, measures = obj.synch_layering, _measures(obj)
-    if measures.volume <= 0:
+    if not measures.volume > 0:
         return
     given = (None if getattr(stored, LENGTHS[name]) else getattr(stored, name) for name in ("spacing", "size"))
     try:

@@ -13,7 +13,7 @@ from ..tet_mesh import TetMesh
 from ..triangle_mesh import TriangleMesh
 from .features import sharpen_edges
 from .surface_distance import SurfaceDistance
-from .thin_walls import refine_thin_walls
+from .thin_walls import Filling, refine_thin_walls
 from .topology_check import fill_with_same_topology, more_holes
 
 
@@ -51,7 +51,7 @@ class ClosedSurface:
         """Diagonal of the surface's box."""
         return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
 
-    def filled(self, size: float, areas: Sequence[Area] = ()) -> TetMesh:
+    def filled(self, size: float, areas: Sequence[Area] = ()) -> Filling:
         """Fill the surface with tetrahedra of a size, which follow its sharp edges and the outlines of areas.
 
         In thin walls between areas they are smaller (:mod:`.thin_walls`). Errors as :func:`fill_with_same_topology`.
@@ -61,7 +61,7 @@ class ClosedSurface:
             labels[area.triangles] += 1 << number
         nearest = self.distance.nearest
         solid = sharpen_edges(fill_with_same_topology(self.distance, size), self.mesh, nearest, labels)
-        return refine_thin_walls(solid, self.mesh, nearest, labels > 0) if len(areas) else solid
+        return refine_thin_walls(solid, self.mesh, nearest, labels > 0) if len(areas) else Filling(solid)
 
     def more_holes(self, solid: TetMesh) -> int:
         """Count the holes that a solid has more than the surface; negative if it has fewer."""

@@ -7,6 +7,7 @@ triangular grids suitable for adaptive and multigrid techniques", 1984), so that
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -16,9 +17,11 @@ from ...unit_vectors import unit_vectors
 from ..nearest import nearest_in_triangles
 from ..tet_mesh import TET_EDGES, TetMesh, signed_volumes
 from ..triangle_mesh import TriangleMesh
+from .lengths import MOST_TETS
 
-# Walls are divided that are thinner than so many mean edges, until the longest edge in them is this share of their
-# thickness; the number of tetrahedra grows by this factor at most.
+# A wall is thin if its thickness is less than the first number times the mean edge length. Its tetrahedra are bisected
+# until their longest edge is at most the second number times the thickness. The third number is the largest ratio of
+# tetrahedra after to before.
 THIN, SHARE, MOST = 2.0, 0.5, 2.0
 # Sides of a wall look apart by this cosine, and a way across it is along their normals by that one.
 _APART, _ALONG = -0.8, 0.8
@@ -27,10 +30,20 @@ _ROUNDS = 12
 _BATCH = 4096
 
 
+class Filling(NamedTuple):
+    """A solid, and the share of the volume of its thin walls in which the tetrahedra are longer than wanted."""
+
+    solid: TetMesh
+    coarse: float = 0.0
+
+
 def refine_thin_walls(
     solid: TetMesh, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray], chosen: np.ndarray
-) -> TetMesh:
+) -> Filling:
     """Divide the tetrahedra in thin walls of a solid whose two sides are both chosen; elsewhere it stays as it is.
+
+    Where that would make more than ``MOST`` times as many tetrahedra, or more than ``MOST_TETS``, the last tetrahedra
+    to be divided are those with the longest edges for the thickness of their wall: the thinnest walls come first.
 
     Parameters
     ----------
@@ -41,18 +54,48 @@ def refine_thin_walls(
     """
     limit = THIN * float(solid.edge_lengths.mean())
     wanted = SHARE * _thickness(solid, mesh, nearest, chosen, limit)
-    most = MOST * solid.tet_count
+    most = min(MOST * solid.tet_count, MOST_TETS)
     for _ in range(_ROUNDS):
-        lengths = solid.edge_lengths[solid.tet_edges]
-        is_large = lengths.max(axis=1) > wanted[solid.tets].max(axis=1)
-        if not is_large.any():
+        over = _over(solid, wanted)
+        if not (over > 1).any():
             break
-        marked = _edges_to_divide(solid, is_large)
-        finer = _divide(solid, marked, mesh, nearest)
-        if finer.tet_count > most:
+        marked = _edges_to_divide(solid, over > 1)
+        is_last = _count(solid, marked) > most
+        if is_last:
+            marked = _edges_that_fit(solid, over, most)
+            if not len(marked):
+                break
+        wanted = np.append(wanted, wanted[solid.edges[marked]].max(axis=1))
+        solid = _divide(solid, marked, mesh, nearest)
+        if is_last:
             break
-        wanted, solid = np.append(wanted, wanted[solid.edges[marked]].max(axis=1)), finer
-    return solid
+    over = _over(solid, wanted)
+    walls = float(solid.volumes[over > 0].sum())
+    return Filling(solid, float(solid.volumes[over > 1].sum()) / walls if walls else 0.0)
+
+
+def _over(solid: TetMesh, wanted: np.ndarray) -> np.ndarray:
+    """(m,) longest edge of each tetrahedron over the length that is wanted at its vertices, 0 outside thin walls."""
+    return solid.edge_lengths[solid.tet_edges].max(axis=1) / wanted[solid.tets].max(axis=1)
+
+
+def _edges_that_fit(solid: TetMesh, over: np.ndarray, most: float) -> np.ndarray:
+    """Find the edges to divide so that at most so many tetrahedra result, by bisection: of as many tetrahedra as fit,
+    to 1 % of those that are too long, the longest for their walls."""
+    order = np.argsort(-over, kind="stable")
+    low, high = 0, int((over > 1).sum())
+    close = max(high // 100, 1)
+    marked = np.zeros(0, int)
+    while high - low > close:
+        middle = (low + high) // 2
+        is_large = np.zeros(solid.tet_count, bool)
+        is_large[order[:middle]] = True
+        more = _edges_to_divide(solid, is_large)
+        if _count(solid, more) <= most:
+            low, marked = middle, more
+        else:
+            high = middle
+    return marked
 
 
 def _thickness(
@@ -89,9 +132,10 @@ def _thickness(
 
 
 def _edges_to_divide(solid: TetMesh, is_large: np.ndarray) -> np.ndarray:
-    """Find the longest edges of (m,) large tetrahedra, and of the tetrahedra at edges that are divided."""
+    """Find the longest edges of (m,) large tetrahedra, and of the tetrahedra at these edges; the shortest first."""
     rank = np.empty(len(solid.edges), int)
-    rank[np.argsort(solid.edge_lengths, kind="stable")] = np.arange(len(solid.edges))
+    by_length = np.argsort(solid.edge_lengths, kind="stable")
+    rank[by_length] = np.arange(len(solid.edges))
     ranks = rank[solid.tet_edges]
     longest = solid.tet_edges[np.arange(solid.tet_count), ranks.argmax(axis=1)]
     marked = np.zeros(len(solid.edges), bool)
@@ -99,17 +143,34 @@ def _edges_to_divide(solid: TetMesh, is_large: np.ndarray) -> np.ndarray:
     while True:
         more = marked[solid.tet_edges].any(axis=1) & ~marked[longest]
         if not more.any():
-            return np.flatnonzero(marked)
+            return by_length[marked[by_length]]
         marked[longest[more]] = True
 
 
 def _divide(
     solid: TetMesh, marked: np.ndarray, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray]
 ) -> TetMesh:
-    """Divide edges in their middles, those of the boundary on the surface, and the tetrahedra at them, at the longest
-    edges first, so that both sides of a face divide it alike."""
+    """Divide edges in their middles, those of the boundary on the surface, and the tetrahedra at them."""
     count = solid.vertex_count
-    marked = marked[np.argsort(solid.edge_lengths[marked], kind="stable")]
+    tets = _divided_tets(solid, marked)
+    middles = solid.vertices[solid.edges[marked]].mean(axis=1)
+    tails, heads = solid.edges[marked].T
+    sides = np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    outer = np.flatnonzero(np.isin(tails * count + heads, sides[:, 0] * count + sides[:, 1]))
+    return TetMesh(_put_on_surface(solid.vertices, middles, outer, tets, mesh, nearest), tets)
+
+
+def _count(solid: TetMesh, marked: np.ndarray) -> int:
+    """Count the tetrahedra after edges are divided."""
+    return len(_divided_tets(solid, marked))
+
+
+def _divided_tets(solid: TetMesh, marked: np.ndarray) -> np.ndarray:
+    """(k, 4) tetrahedra after edges are divided, which are sorted by length; their middles follow the vertices.
+
+    The longest edges are divided first, so that both sides of a face divide it alike.
+    """
+    count = solid.vertex_count
     tails, heads = solid.edges[marked].T
     keys = tails * count + heads
     order = np.argsort(keys)
@@ -132,11 +193,7 @@ def _divide(
             half[np.arange(len(half)), side] = count + middle
             halves.append(half)
         tets = np.concatenate(halves)
-    tets = np.concatenate(done)
-    middles = solid.vertices[solid.edges[marked]].mean(axis=1)
-    sides = np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    outer = np.flatnonzero(np.isin(keys, sides[:, 0] * count + sides[:, 1]))
-    return TetMesh(_put_on_surface(solid.vertices, middles, outer, tets, mesh, nearest), tets)
+    return np.concatenate(done)
 
 
 def _put_on_surface(

@@ -186,7 +186,7 @@ def test_errors_of_a_guide_name_it():
 def test_what_takes_more_memory_than_there_is_is_refused_before_it_begins(is_given, monkeypatch):
     request = request_in(closed(cube(2)))
     if is_given:
-        request = replace(request, solid=request.surface.filled(0.1, []))
+        request = replace(request, solid=request.surface.filled(0.1).solid)
     expected = request.estimate
     assert expected.tets == pytest.approx(15_000, rel=0.2)
 
@@ -261,7 +261,7 @@ def test_directions_that_are_integrated_need_less_memory():
 def test_more_layers_than_are_drawn_are_refused_before_they_take_memory(spacing):
     """In given tetrahedra, where no spacing is too fine; with one that is not refused."""
     request = request_in(closed(cube(2)), 0.5, 0.2)
-    solid = request.surface.filled(0.2, [])
+    solid = request.surface.filled(0.2).solid
 
     def with_spacing(given):
         return replace(request, solid=solid, lengths=Lengths.carried(request.surface.distance, given, 0.2))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.filling import thin_walls
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.filling.thin_walls import MOST, refine_thin_walls
@@ -50,7 +51,7 @@ def across(solid, point, direction):
 
 def test_a_fin_has_vertices_inside_and_the_block_stays():
     surface, areas = block_with_fin()
-    plain, finer = surface.filled(0.1), surface.filled(0.1, areas)
+    plain, finer = surface.filled(0.1).solid, surface.filled(0.1, areas).solid
     np.testing.assert_allclose(finer.volumes.sum(), 1.12, rtol=1e-3)
     assert plain.tet_count < finer.tet_count <= MOST * plain.tet_count
     assert across(finer, [1.5, 0.5, 0.06], np.array([0, 0, 1.0])) >= 2 * across(
@@ -69,7 +70,7 @@ def test_a_fin_has_vertices_inside_and_the_block_stays():
 
 def test_a_curved_wall_keeps_its_surface_and_its_volume():
     surface, areas = eccentric_shell()
-    plain, finer = surface.filled(0.09), surface.filled(0.09, areas)
+    plain, (finer, coarse) = surface.filled(0.09).solid, surface.filled(0.09, areas)
     assert plain.tet_count < finer.tet_count <= MOST * plain.tet_count
     exact = surface.distance.volume
     assert exact == pytest.approx(4 / 3 * np.pi * (1 - 0.7**3), rel=0.01)
@@ -80,6 +81,63 @@ def test_a_curved_wall_keeps_its_surface_and_its_volume():
     x = finer.vertices[finer.tets].mean(axis=1)[:, 0]
     lengths = finer.edge_lengths[finer.tet_edges].max(axis=1)
     assert lengths[x > 0.9].mean() < 0.8 * lengths[x < -0.5].mean()
+    # Where x > 0.9, the shell is at most this thick, and all tetrahedra are half as long.
+    thickest = 1 - (0.2 * 0.9 + np.sqrt(0.7**2 - 0.2**2 * (1 - 0.9**2)))
+    within = finer.vertices[finer.tets][:, :, 0].min(axis=1) > 0.9
+    assert coarse == 0 and lengths[within].max() <= thickest / 2
+
+
+def plate(thickness):
+    """A plate, two units long and wide, and its two sides."""
+    mesh = TriangleMesh(cube(8).vertices * [2, 2, thickness], cube(8).triangles)
+    up = mesh.face_normals[:, 2]
+    return closed(mesh), [Area("down", np.flatnonzero(up < -0.9)), Area("up", np.flatnonzero(up > 0.9))]
+
+
+@pytest.mark.parametrize(("thickness", "size"), [(0.05, 0.08), (0.08, 0.08), (0.12, 0.1)])
+def test_a_plate_is_divided_as_far_as_the_limit_lets_it(thickness, size):
+    """A whole round of bisections would make more tetrahedra than the limit."""
+    surface, areas = plate(thickness)
+    plain, (finer, coarse) = surface.filled(size).solid, surface.filled(size, areas)
+    assert 0.98 * MOST * plain.tet_count < finer.tet_count <= MOST * plain.tet_count
+    inner = [np.count_nonzero(~solid.boundary_vertices) for solid in (plain, finer)]
+    assert inner[1] > 2 * inner[0]
+    np.testing.assert_allclose(finer.volumes.sum(), 4 * thickness, rtol=1e-6)
+    assert finer.volumes.min() > 0 and dihedral_angles(finer).min() > 5
+    # Every tetrahedron of a plate is in a wall.
+    longest = finer.edge_lengths[finer.tet_edges].max(axis=1)
+    long = float(finer.volumes[longest > thickness / 2].sum()) / (4 * thickness)
+    assert long > 0.5 and coarse == pytest.approx(long, abs=0.02)
+
+
+def test_thin_walls_make_no_more_tetrahedra_than_any_solid_may_have(monkeypatch):
+    surface, areas = plate(0.12)
+    plain = surface.filled(0.1).solid
+    monkeypatch.setattr(thin_walls, "MOST_TETS", 1.3 * plain.tet_count)
+    assert 1.25 < surface.filled(0.1, areas).solid.tet_count / plain.tet_count <= 1.3
+    monkeypatch.setattr(thin_walls, "MOST_TETS", plain.tet_count // 2)
+    untouched, coarse = surface.filled(0.1, areas)
+    np.testing.assert_array_equal(untouched.tets, plain.tets)
+    assert coarse > 0.9
+
+
+def test_the_thinnest_walls_are_divided_first():
+    """A wedge from 0.06 to 0.2 thick."""
+    mesh = cube(8)
+    x, y, z = mesh.vertices.T
+    down, up = plate(1.0)[1]
+    mesh = TriangleMesh(np.column_stack([2 * x, 2 * y, (0.13 + 0.07 * (2 * x - 1)) * (z - 0.5)]), mesh.triangles)
+    surface = closed(mesh)
+    plain, (finer, coarse) = surface.filled(0.1).solid, surface.filled(0.1, [down, up])
+    shares = []
+    for low, high in ((0, 1), (1, 2)):
+        counts = []
+        for solid in (plain, finer):
+            at = solid.vertices[solid.tets].mean(axis=1)[:, 0]
+            counts.append(np.count_nonzero((at >= low) & (at < high)))
+        shares.append(counts[1] / counts[0])
+    assert coarse > 0 and finer.tet_count <= MOST * plain.tet_count
+    assert shares[0] > 1.5 * shares[1]
 
 
 @pytest.mark.parametrize("chosen", ["none", "one side", "thick"])
@@ -92,5 +150,5 @@ def test_other_solids_stay_as_they_are(chosen):
         marked[:] = True
     elif chosen == "one side":
         marked[areas[0].triangles] = True
-    solid = surface.filled(0.1)
-    assert refine_thin_walls(solid, mesh, surface.distance.nearest, marked) is solid
+    solid = surface.filled(0.1).solid
+    assert refine_thin_walls(solid, mesh, surface.distance.nearest, marked) == (solid, 0.0)
