@@ -16,7 +16,7 @@ from .repair.edge_flips import flip_edges
 from .repair.narrow_tunnels import close_narrow_tunnels, find_flat_faces
 from .repair.quad_collapse import collapse_quads
 from .repair.tip_recovery import recover_tips
-from .smooth.fitting import fit_quads
+from .smooth.fitting import fit_quads, part_vertices
 from .smooth.worst_corners import move_worst_corners
 from .trace.quad_mesh import QuadMesh
 
@@ -76,7 +76,8 @@ def finish_quads(
     edges, counts = quads.edges
     keep = edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
     rim = np.unique(edges[counts == 1]) if np.size(apart) else ()
-    return flip_edges(quads, mesh.face_normals[quads.triangles], keep, rim)
+    quads = flip_edges(quads, mesh.face_normals[quads.triangles], keep, rim)
+    return part_vertices(quads, mesh, ~free)
 
 
 def lost_lines(

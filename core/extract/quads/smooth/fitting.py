@@ -47,6 +47,24 @@ def fit_quads(
     return quads
 
 
+def part_vertices(quads: QuadMesh, mesh: TriangleMesh, kept: np.ndarray) -> QuadMesh:
+    """The quad mesh with one end of each edge without length, not one of (n,) bool kept ones if it can be helped, moved
+    to the middle of the vertices around it; on the rim, of those along the rim."""
+    edges, counts = quads.edges
+    lengths = quads.edge_lengths
+    short = edges[lengths < SHORTEST * np.median(lengths)] if len(edges) else edges
+    which = np.unique(np.where(kept[short[:, 0]], short[:, 1], short[:, 0]))
+    if len(which) == 0:
+        return quads
+    on_rim = np.zeros(len(quads.vertices), bool)
+    on_rim[edges[counts == 1]] = True
+    ways = np.concatenate([edges, edges[:, ::-1]])
+    ways = ways[~on_rim[ways[:, 0]] | np.tile(counts == 1, 2)]
+    sums, numbers = np.zeros_like(quads.vertices), np.bincount(ways[:, 0], minlength=len(quads.vertices))
+    np.add.at(sums, ways[:, 0], quads.vertices[ways[:, 1]])
+    return project_vertices(quads, mesh, np.full(len(kept), -1), None, which, sums[which] / numbers[which, None])
+
+
 def _ends_without_length(quads: QuadMesh) -> np.ndarray:
     """The ends of edges without length."""
     ends = quads.half_edges

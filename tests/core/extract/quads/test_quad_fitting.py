@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces drawn to rectangles: what is square already stays, what is not becomes it, folds open."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from synch_fields.core.extract.quads.features.chains import follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
 from synch_fields.core.extract.quads.smooth import fitting
-from synch_fields.core.extract.quads.smooth.fitting import fit_quads, project_vertices
+from synch_fields.core.extract.quads.smooth.fitting import fit_quads, part_vertices, project_vertices
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 
 from ...flat_crosses import plane_edge_phases
@@ -59,6 +61,27 @@ def test_vertices_to_which_a_corner_is_nearest_do_not_meet_there(monkeypatch):
     assert len(beside) == 2 and not inside[beside].any()
     after = fit_quads(quads, mesh, free, 1)
     np.testing.assert_allclose(after.vertices, quads.vertices, atol=1e-12)
+
+
+@pytest.mark.parametrize("kept", ["neither", "first", "both"])
+@pytest.mark.parametrize("place", [(0.5, 0.5), (0.5, 0.0)], ids=["inside", "rim"])
+def test_vertices_at_one_place_are_moved_apart(place, kept):
+    mesh, quads, _ = grid()
+    first, second = np.argsort(np.linalg.norm(quads.vertices[:, :2] - place, axis=1), kind="stable")[:2]
+    if place[1] == 0:
+        second = np.flatnonzero(np.linalg.norm(quads.vertices[:, :2] - [0.6, 0.0], axis=1) < 1e-9)[0]
+    stays = np.zeros(len(quads.vertices), bool)
+    stays[{"neither": [], "first": [first], "both": [first, second]}[kept]] = True
+    rough = quads.vertices.copy()
+    rough[second] = rough[first]
+    after = part_vertices(replace(quads, vertices=rough), mesh, stays)
+    assert after.edge_lengths.min() > 0.2 / CELLS
+    assert (np.linalg.norm(after.vertices - rough, axis=1) > 0).sum() == 1
+    assert kept != "first" or (after.vertices[first] == rough[first]).all()
+    assert (after.vertices[on_rim(quads), :2].min(axis=1) < 1e-9).sum() == (
+        quads.vertices[on_rim(quads), :2].min(axis=1) < 1e-9
+    ).sum()
+    assert part_vertices(after, mesh, stays) is after
 
 
 @pytest.mark.parametrize(("beyond", "folds"), [(0.0, 0), (1e-9, 0), (0.02, 1)])
