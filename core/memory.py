@@ -23,7 +23,7 @@ _SURE = 0.75
 RESERVED = 2.5
 # Linux: the list of a process's control groups; by version 2 or not, their folder and the file with a group's limit.
 _OWN_GROUPS = Path("/proc/self/cgroup")
-# Linux: what is told of this process.
+# Linux: the file of this process's figures.
 _STATUS = Path("/proc/self/status")
 _GROUPS = {True: ("/sys/fs/cgroup", "memory.max"), False: ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")}
 
@@ -149,7 +149,7 @@ def peak_megabytes() -> float:
         return _windows_process()[1] / 2**20
     if sys.platform == "darwin":
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    # Linux counts in ru_maxrss what the parent had when it started this process; some containers tell only that.
+    # On Linux, ru_maxrss is at least what the parent had when it started this process; some containers have no VmHWM.
     with suppress(OSError):
         for line in _STATUS.read_text().splitlines():
             if line.startswith("VmHWM:"):

@@ -256,10 +256,10 @@ def change_pattern(
 
 
 def untangle(pattern: Pattern, options: Options) -> Pattern:
-    """A pattern with a branching of 0, solved again for changes from which its dislocations are taken out.
+    """A pattern with a branching of 0, solved again for other target changes, with fewer dislocations.
 
-    Asked for are the changes that it reached, without what dislocations add to them around triangles: these are nearly
-    those of phases. The energy is that of these changes.
+    The new targets are the changes that the pattern reached, less what its dislocations add to them around triangles;
+    there are phases whose changes are nearly these. The energy is measured from the new targets.
     """
     one_form, problem = pattern.one_form, pattern.problem
     reached = one_form.reaching(pattern.edge_phases.changes)

@@ -69,7 +69,7 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
 
 @dataclass(frozen=True)
 class _LostLines:
-    """(k,) lengths that a quad mesh does not follow, each of a boundary or sharp edge, and (l,) lengths of all of them.
+    """(k,) the length that a quad mesh does not follow of a boundary or sharp edge, and (l,) lengths of all of them.
 
     ``side``: the length of a quad's side.
     """

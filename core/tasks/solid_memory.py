@@ -45,14 +45,20 @@ class LayerMemory(NamedTuple):
     expected: int
 
 
-def layer_memory(
-    measures: Measures, lengths: Lengths, is_searched: bool = True, tets: int | None = None
-) -> LayerMemory:
+def is_searched(is_axis: bool, is_even: bool, areas: int) -> bool:
+    """Whether the phase of layers is searched for, and not integrated.
+
+    Directions of an axis have no curl if the spacing is even, and layers that are flush with one area add none.
+    """
+    return not (is_axis and is_even and areas <= 1)
+
+
+def layer_memory(measures: Measures, lengths: Lengths, searched: bool = True, tets: int | None = None) -> LayerMemory:
     """Estimate the :class:`LayerMemory` of layers in the solid of a surface.
 
     Parameters
     ----------
-    is_searched : False where directions without curl are integrated, as those of an axis
+    searched : see :func:`is_searched`
     tets : of a given solid; None for one that is made
     """
     size = lengths.size
@@ -63,11 +69,11 @@ def layer_memory(
     else:
         size = (12 * measures.volume / tets) ** (1 / 3)
     layers = BYTES_PER_CROSSING * _CROSSINGS * measures.volume / (lengths.spacing * size**2)
-    if not is_searched:
+    if not searched:
         return LayerMemory(max(filling, _INTEGRATED * tets), max(filling, round(_INTEGRATED * tets + layers)))
-    searched, proved = (kind[WORKERS > 1] * tets for kind in (_SEARCHED, _PROVING))
+    searching, proved = (kind[WORKERS > 1] * tets for kind in (_SEARCHED, _PROVING))
     proved += round(_proof_bytes(measures, size))
-    return LayerMemory(max(filling, SOLVED_BYTES * tets), max(filling, round(searched + layers), proved))
+    return LayerMemory(max(filling, SOLVED_BYTES * tets), max(filling, round(searching + layers), proved))
 
 
 def _proof_bytes(measures: Measures, size: float) -> float:

@@ -29,7 +29,7 @@ from ..printing.flush import FAR, far_share
 from ..refinement.spacing import COARSE_SHARE
 from ..solution import Clock
 from ..solve import Options
-from .solid_memory import LayerMemory, layer_memory
+from .solid_memory import LayerMemory, is_searched, layer_memory
 
 # Shares that are warned of: of the surface's volume that the solid lacks, of an area that it covers, if less, of its
 # volume where the guide has no direction, and of the volume of thin walls where tetrahedra are too large.
@@ -164,10 +164,9 @@ class SolidRequest:
 
     def _memory_in(self, tets: int | None) -> LayerMemory:
         """Memory that the solve takes in so many tetrahedra, or in those that are made."""
-        # Directions of an axis have no curl, and a layer on one area only does not add any.
-        is_searched = not self.guide.is_axis or self.factors is not None or len(self.flush_areas) > 1
+        searched = is_searched(self.guide.is_axis, self.factors is None, len(self.flush_areas))
         mesh = self.surface.distance.mesh
-        return layer_memory(Measures.of(mesh.vertices, mesh.triangles), self.lengths, is_searched, tets)
+        return layer_memory(Measures.of(mesh.vertices, mesh.triangles), self.lengths, searched, tets)
 
     def _fill(self) -> Filling:
         if self.solid is not None:

@@ -9,7 +9,7 @@ import numpy as np
 from ...core.errors import SettingError
 from ...core.geometry.filling.lengths import Lengths, Measures, estimate
 from ...core.settings.layers import LayerSettings
-from ...core.tasks.solid_memory import layer_memory
+from ...core.tasks.solid_memory import is_searched, layer_memory
 from ...core.tasks.solids import TET_SECONDS
 from ..blender.attributes import read_all
 from ..blender.meshes import refusal
@@ -113,8 +113,8 @@ def _draw_expected(layout, obj):
     except SettingError:  # the operator says what is wrong
         return
     tets = estimate(measures, lengths.size).tets
-    is_searched = stored.guide != "AXIS" or bool(stored.spacing_map) or len(stored.groups) > 1
-    size = layer_memory(measures, lengths, is_searched).expected
+    searched = is_searched(stored.guide == "AXIS", not stored.spacing_map, len(stored.groups))
+    size = layer_memory(measures, lengths, searched).expected
     layout.label(text=translate("About {tets:,} tetrahedra", tets=tets), icon="MESH_ICOSPHERE")
     draw_estimate(layout, "Layers", TET_SECONDS * tets, size / 2**20)
 

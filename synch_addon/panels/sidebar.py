@@ -3,7 +3,6 @@
 
 import bpy
 
-from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
@@ -18,7 +17,7 @@ from ..patterns.other_settings import shows_other_settings
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning, expected_faces
 from ..patterns.symmetry import mirror_axes
-from ..settings.fields import MESH_NAMES, original_of, source_of
+from ..settings.fields import MESH_NAMES, RECORDS, original_of, source_of
 from ..settings.preferences import is_simple, preferences
 from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
@@ -31,7 +30,6 @@ from .setting_rows import draw_setting, draw_settings, property_column, skip
 KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
 
 
-RECORDS = dict(records(SurfaceSettings))
 # What the redo panel shows of a command's settings: what one changes after a look at the result.
 _REDONE = {
     "directions": ("guidance", "symmetry", "angle", "boundary", "mirror", "singularities"),

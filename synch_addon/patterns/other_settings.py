@@ -5,13 +5,10 @@ import math
 from dataclasses import asdict
 
 from ...core.errors import SynchError
-from ...core.settings.setting import records
-from ...core.settings.surface import SurfaceSettings
 from ..jobs.kept_results import read_result_or_empty
 from ..reading.surface import settings_for
-from ..settings.fields import original_of, source_of, stored_settings
+from ..settings.fields import RECORDS, original_of, source_of, stored_settings
 
-_RECORDS = dict(records(SurfaceSettings))
 # Settings that are compared where they are set, and those on which no pattern depends.
 _SPACING, _OF_NO_PATTERN = "spacing", {"strict", "time_limit", "assign_material"}
 
@@ -37,7 +34,7 @@ def shows_other_settings(obj, kind):
 
 def _compared(kind, settings, obj):
     """Names of the settings that a pattern of a kind depends on, beside the others."""
-    for name, record in _RECORDS.items():
+    for name, record in RECORDS.items():
         is_heard = kind in record.commands and name not in _OF_NO_PATTERN
         if not is_heard or (record.part_of and not settings[record.part_of]):
             continue

@@ -22,10 +22,10 @@ from .favourite_list import SynchFavourite
 from .guide_list import GUIDANCE, SynchGuide, stored_guidance
 from .rna import properties_of, property_of, settings_of
 
-_RECORDS = dict(records(SurfaceSettings))
+RECORDS = dict(records(SurfaceSettings))
 # Settings that panel and operators have as properties, and those of them that quad meshes have apart.
-PROPERTY_NAMES = tuple(name for name, record in _RECORDS.items() if record.group and name != "guidance")
-MESH_NAMES = {name: f"mesh_{name}" for name, record in _RECORDS.items() if "quad_mesh" in record.variants}
+PROPERTY_NAMES = tuple(name for name, record in RECORDS.items() if record.group and name != "guidance")
+MESH_NAMES = {name: f"mesh_{name}" for name, record in RECORDS.items() if "quad_mesh" in record.variants}
 # Settings that a quad mesh takes from its source, besides the guidance.
 DIRECTED_NAMES = ("angle", "angle_attribute", "angle_range", "boundary", "vertex_group")
 # What an object has of its own besides.
@@ -35,7 +35,7 @@ SettingProperties = properties_of(
     SurfaceSettings,
     PROPERTY_NAMES,
     boundary=property_of(SurfaceSettings, "boundary", translation_context=OURS),
-    mirror=BoolVectorProperty(name=_RECORDS["mirror"].label, description=_RECORDS["mirror"].tip, size=3),
+    mirror=BoolVectorProperty(name=RECORDS["mirror"].label, description=RECORDS["mirror"].tip, size=3),
 )
 MeshProperties = properties_of(
     SurfaceSettings, (), **{name: property_of(SurfaceSettings, name, "quad_mesh") for name in MESH_NAMES}
@@ -61,7 +61,7 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
     constraints: CollectionProperty(
         name="Constraints", description="Conditions on the pattern along lines of the mesh", type=SynchConstraint
     )
-    pins: StringProperty(name=_RECORDS["pins"].label, description=_RECORDS["pins"].tip)
+    pins: StringProperty(name=RECORDS["pins"].label, description=RECORDS["pins"].tip)
     active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
     favourites: CollectionProperty(name="Favourites", description="Variations that are kept", type=SynchFavourite)
     source: PointerProperty(

@@ -83,8 +83,8 @@ def finish_quads(
 def lost_lines(
     quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], followed: ArrayLike = ()
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) lengths that the quad mesh's edges do not follow, of boundaries and sharp edges that they do not follow as a
-    whole, and (l,) lengths of all of them.
+    """(k,) the length that the quad mesh's edges do not follow, of each boundary and sharp edge that they do not follow
+    from end to end, and (l,) lengths of all of them.
 
     Lines are counted from corner to corner, without edges that are ``followed``; arguments as of :func:`finish_quads`.
     """

@@ -127,15 +127,12 @@ class MirrorSide:
 
         They are on edges in the plane, or were added at the boundary of the quads beside it.
         """
-        edges, counts = quads.edges
-        on_rim = np.zeros(len(quads.vertices), bool)
-        on_rim[edges[counts == 1]] = True
         used = quads.weights > _ON_EDGE
         corners = self.mesh.triangles[quads.triangles]
         on_planes = (self._on_planes[corners] | ~used[:, :, None]).all(axis=1)
         on_boundary = (self.whole.boundary_vertices[self.vertices][corners] | ~used).all(axis=1)
         beside = np.abs(quads.vertices @ self.units.T) < _BESIDE * quads.edge_lengths.mean()
-        return on_rim[:, None] & (on_planes | (beside & ~on_boundary[:, None]))
+        return quads.on_rim[:, None] & (on_planes | (beside & ~on_boundary[:, None]))
 
 
 def _without_tips(quads: QuadMesh, on_planes: np.ndarray) -> QuadMesh:

@@ -100,7 +100,7 @@ class Lengths(NamedTuple):
         lowest: float = 1.0,
         divisions: int | None = None,
     ) -> Self:
-        """Choose both for a surface that is to be filled, or its measures, automatically if they are None.
+        """Choose the spacing and the size for a surface that is to be filled, automatically where they are None.
 
         Raises SettingError for a spacing that is larger than the surface or too fine for the size, and a size that
         makes no solid, or more than a machine can hold.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...graphs import pairs_within
+from ...graphs import find, pair_keys, pairs_within
 from ...unit_vectors import unit_vectors
 from ..nearest import nearest_in_triangles
 from ..tet_mesh import TET_EDGES, TetMesh, signed_volumes
@@ -151,12 +151,11 @@ def _divide(
     solid: TetMesh, marked: np.ndarray, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray]
 ) -> TetMesh:
     """Divide edges in their middles, those of the boundary on the surface, and the tetrahedra at them."""
-    count = solid.vertex_count
+    count, edges = solid.vertex_count, solid.edges[marked]
     tets = _divided_tets(solid, marked)
-    middles = solid.vertices[solid.edges[marked]].mean(axis=1)
-    tails, heads = solid.edges[marked].T
-    sides = np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    outer = np.flatnonzero(np.isin(tails * count + heads, sides[:, 0] * count + sides[:, 1]))
+    middles = solid.vertices[edges].mean(axis=1)
+    sides = solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    outer = np.flatnonzero(np.isin(pair_keys(edges, count), pair_keys(sides, count)))
     return TetMesh(_put_on_surface(solid.vertices, middles, outer, tets, mesh, nearest), tets)
 
 
@@ -171,17 +170,11 @@ def _divided_tets(solid: TetMesh, marked: np.ndarray) -> np.ndarray:
     The longest edges are divided first, so that both sides of a face divide it alike.
     """
     count = solid.vertex_count
-    tails, heads = solid.edges[marked].T
-    keys = tails * count + heads
-    order = np.argsort(keys)
-    tets = solid.tets
+    keys, tets = pair_keys(solid.edges[marked], count), solid.tets
     done = []
     while len(tets):
         ends = tets[:, TET_EDGES]
-        known = ends.max(axis=2) < count
-        key = np.where(known, ends.min(axis=2) * count + ends.max(axis=2), -1)
-        at = np.minimum(np.searchsorted(keys, key, sorter=order), len(keys) - 1)
-        place = np.where(keys[order[at]] == key, order[at], -1)
+        place = find(keys, np.where(ends.max(axis=2) < count, pair_keys(ends, count), -1))
         best = place.argmax(axis=1)
         rows = np.arange(len(tets))
         middle = place[rows, best]

@@ -3,9 +3,6 @@
 """Layers in closed surfaces without Blender: exact ones, what is told of coarse ones, lengths, and outputs."""
 
 import pickle
-import re
-import sys
-import tracemalloc
 from dataclasses import replace
 from functools import partial
 
@@ -13,11 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from synch_fields.core import memory
-from synch_fields.core.errors import Cancelled, SettingError, SynchError
-from synch_fields.core.extract.layers.crossings import refuse_too_many_layers
+from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas, of_vectors
-from synch_fields.core.fields.layers import SolidTargetOneForm
 from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
@@ -33,7 +27,6 @@ from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.geometry.tet_mesh import TetMesh
-from synch_fields.core.memory import Room
 from synch_fields.core.printing.flush import far_share
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
@@ -42,7 +35,6 @@ from synch_fields.core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 from ..expectation import told_at_once
 from ..geometry.filling.test_thin_walls import block_with_fin
 from ..layered_solids import block
-from ..memory_peak import numbers_of_child
 from ..meshes import CLOSED, cube, icosphere
 
 UP = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 2.0])))
@@ -180,102 +172,6 @@ def test_errors_of_a_guide_name_it():
     request = request_in(closed(cube(2)), guide=SolidGuide("axis:none", partial(along_axis, np.zeros(3))))
     with pytest.raises(SettingError, match=r"^axis:none: the axis .* has no direction"):
         request.solve()
-
-
-@pytest.mark.parametrize("is_given", [False, True])
-def test_what_takes_more_memory_than_there_is_is_refused_before_it_begins(is_given, monkeypatch):
-    request = request_in(closed(cube(2)))
-    if is_given:
-        request = replace(request, solid=request.surface.filled(0.1).solid)
-    expected = request.estimate
-    assert expected.tets == pytest.approx(15_000, rel=0.2)
-
-    def begun_with(share):
-        monkeypatch.setattr(memory, "room", lambda *_: Room(share * request.memory.needed, 1.0, "memory", "buy it"))
-        request.solve(lambda *_: False)
-
-    with pytest.raises(Cancelled):
-        begun_with(0.8)  # estimates may be a third too high
-    with pytest.raises(
-        SynchError, match=rf"^a solve of layers in {expected.tets:,} tetrahedra takes about .* GB of memory"
-    ):
-        begun_with(0.7)
-
-
-# What layers take at the peak beyond what there was, as the system measures it, over what was estimated.
-MEASURE = """
-import sys
-from dataclasses import replace
-import numpy as np
-from synch_fields.core.geometry.filling.lengths import Lengths
-from synch_fields.core.memory import peak_megabytes, used_bytes
-from synch_fields.core.tasks.solids import SolidGuide
-from synch_fields.tests.core.tasks.test_layer_requests import UP, closed, flattened, request_in
-from synch_fields.tests.core.meshes import icosphere
-shape, size, spacing, guide = sys.argv[1], *map(float, sys.argv[2:4]), sys.argv[4]
-whirl = SolidGuide("whirl", lambda filled: np.cross([0, 0, 1], filled.solid.vertices) + [0, 0, 0.3])
-surface = closed(icosphere(3) if shape == "ball" else flattened(*map(float, shape.split())))
-divisions = max(round(3 * size / spacing), 1)
-guide = replace(UP, is_axis=True) if guide == "up" else whirl
-request = request_in(surface, divisions * spacing, size, guide=guide)
-request = replace(request, lengths=Lengths(spacing, size, divisions))
-before = used_bytes()
-result = request.solve(lambda *_: None)
-taken = 2**20 * peak_megabytes() - before
-print(taken / request.estimate.bytes)
-"""
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
-@pytest.mark.parametrize(
-    ("shape", "size", "spacing", "guide"),
-    [
-        ("ball", 0.13, 0.3, "whirl"),
-        ("ball", 0.11, 0.3, "whirl"),  # the largest ball with a proof
-        ("ball", 0.1, 0.3, "whirl"),
-        ("ball", 0.085, 0.3, "whirl"),
-        ("8 1 1", 0.12, 0.3, "whirl"),
-        ("1 1 1", 0.055, 0.01, "up"),  # many layers across an edge
-    ],
-)
-def test_layers_take_as_much_memory_as_was_estimated(shape, size, spacing, guide):
-    """Within 30 %, of several shapes and on both sides of the size from which no bound is proved."""
-    (share,) = numbers_of_child(MEASURE, shape, str(size), str(spacing), guide)
-    assert 1 / 1.3 <= share <= 1.3
-
-
-def test_directions_that_are_integrated_need_less_memory():
-    surface = closed(cube(2))
-    axis = replace(UP, is_axis=True)
-    floor, lid = (FlushArea(flat_area(surface, height, "end"), 0.0) for height in (0, 1))
-    request = request_in(surface, guide=axis, flush_areas=(floor,))
-    assert request.memory.expected < request_in(surface).memory.needed
-    for searched in (
-        replace(request, flush_areas=(floor, lid)),
-        replace(request, factors=np.ones(surface.mesh.vertex_count)),
-    ):
-        assert searched.memory == request_in(surface).memory
-
-
-@pytest.mark.parametrize("spacing", [1e-5, 1e-8])
-def test_more_layers_than_are_drawn_are_refused_before_they_take_memory(spacing):
-    """In given tetrahedra, where no spacing is too fine; with one that is not refused."""
-    request = request_in(closed(cube(2)), 0.5, 0.2)
-    solid = request.surface.filled(0.2).solid
-
-    def with_spacing(given):
-        return replace(request, solid=solid, lengths=Lengths.carried(request.surface.distance, given, 0.2))
-
-    tracemalloc.start()
-    try:
-        with pytest.raises(SettingError, match=r"^the layers cross the solid's edges .* times") as caught:
-            with_spacing(spacing).solve()
-        assert tracemalloc.get_traced_memory()[1] < 20e6
-    finally:
-        tracemalloc.stop()
-    factor = float(re.search(r"make the spacing (\S+) times as large", str(caught.value))[1])
-    growth = SolidTargetOneForm.of(solid, np.tile([0.0, 0.0, 1.0], (solid.vertex_count, 1)), factor * spacing)
-    refuse_too_many_layers(growth.changes)
 
 
 def test_a_spacing_that_no_layer_fits_is_told_the_depth():

@@ -3,8 +3,8 @@
 
 Where a grid line was held on a line, its vertices lie there already. At corners, which phases cannot follow exactly,
 the nearest vertex with a suitable number of edges is used. Where the next vertex of a line lies across a face, the face
-can be cut in two. Of a line that no chain follows from end to end, because a corner has no vertex or lines are crowded,
-those parts are followed on which edges lie.
+can be cut in two. Where no chain follows a line from end to end, because one of its corners has no vertex or lines are
+crowded, chains follow the parts of the line on which edges lie.
 """
 
 from collections.abc import Iterator
@@ -57,7 +57,7 @@ class Chains:
 
     @property
     def lost(self) -> np.ndarray:
-        """(k,) lengths that are not followed, of the lines that are not followed as a whole."""
+        """(k,) the length that no chain follows of each line that is not followed from end to end."""
         lengths = self.features.lengths
         lost = lengths - self.followed
         return lost[lost > ROUNDING * lengths]
@@ -81,8 +81,7 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
     """
     side = float(quads.edge_lengths.mean())
     edges, counts = quads.edges
-    on_rim = np.zeros(len(quads.vertices), bool)
-    on_rim[edges[counts == 1]] = True
+    on_rim = quads.on_rim
     at_corner = _prefer_neighbours(quads, features, side, _corner_vertices(quads, features, side, on_rim))
     taken = np.zeros(len(quads.vertices), bool)
     taken[list(at_corner.values())] = True
@@ -100,13 +99,15 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
         close = np.zeros(len(taken), bool)
         close[np.concatenate(tree.query_ball_point(features.mesh.vertices[line], reach)).astype(int)] = True
         near = np.flatnonzero(close & ~taken & (pieces == features.mesh.pieces[line[0]]))
-        chain = _chain(quads, features, number, side, (usable, made), at_corner, near, on_rim)
+        ways, apart = np.full(len(taken), np.nan), np.full(len(taken), np.inf)
+        ways[near], apart[near] = features.nearest(number, quads.vertices[near])
+        chain = _chain(quads, features, number, side, (usable, made), at_corner, (ways, apart), on_rim)
         with_cuts = None if chain is None else _cut_faces(quads, chain[2])
         if chain is None or with_cuts is None:
             followed[number] = 0
-            for vertices, ways, length in _parts(quads, features, number, side, usable, at_corner, near):
+            for vertices, places, length in _parts(quads, features, number, side, usable, at_corner, ways, apart):
                 lines[vertices], taken[vertices] = number, True
-                quads = move_vertices(quads, vertices, *features.at(number, ways))
+                quads = move_vertices(quads, vertices, *features.at(number, places))
                 followed[number] = min(followed[number] + length, features.lengths[number])
             continue
         vertices, ways, cuts = chain
@@ -156,9 +157,9 @@ def _corner_vertices(quads: QuadMesh, features: FeatureLines, side: float, on_ri
 def _prefer_neighbours(
     quads: QuadMesh, features: FeatureLines, side: float, at_corner: dict[int, int]
 ) -> dict[int, int]:
-    """The vertices at corners, replaced by a neighbour that lies there already, unless they do, too.
+    """The vertices at corners. One that does not lie at its corner yet is replaced by a neighbour that does.
 
-    Else the edge between them would lose its length.
+    Otherwise the edge between the two would lose its length.
     """
     corner_of = np.full(len(quads.vertices), -1)
     corner_of[list(at_corner.values())] = list(at_corner)
@@ -210,7 +211,7 @@ def _chain(
     side: float,
     edges: tuple[np.ndarray, np.ndarray],
     at_corner: dict[int, int],
-    near: np.ndarray,
+    nearest: tuple[np.ndarray, np.ndarray],
     on_rim: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Vertices along one line without its corners, their positions along it, and the pairs of vertices between which
@@ -220,8 +221,7 @@ def _chain(
     that may lie on the line.
     """
     line, length = features.lines[number], features.lengths[number]
-    ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
-    ways[near], apart[near] = features.nearest(number, quads.vertices[near])
+    ways, apart = nearest
     begin, closed = 0.0, features.closed[number]
     first, last = (at_corner.get(int(corner)) for corner in line[[0, -1]])
     if closed:
@@ -317,16 +317,18 @@ def _parts(
     side: float,
     edges: np.ndarray,
     at_corner: dict[int, int],
-    near: np.ndarray,
+    ways: np.ndarray,
+    apart: np.ndarray,
 ) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
-    """Parts of a line on which edges lie: vertices that are not at its corners, positions along the line, and length.
+    """The parts of a line on which edges lie: vertices that are not at its corners, their positions along the line, and
+    the length of the part.
 
-    Arguments as of :func:`_chain`.
+    ``ways`` and ``apart`` are (n,) positions of the vertices along the line, and distances from it, infinite for those
+    that may not lie on it; other arguments as of :func:`_chain`.
     """
     line, length = features.lines[number], features.lengths[number]
     is_loop = line[0] == line[-1]
-    ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
-    ways[near], apart[near] = features.nearest(number, quads.vertices[near])
+    ways, apart = ways.copy(), apart.copy()
     at_ends = [] if features.closed[number] else [at_corner.get(int(corner), -1) for corner in line[[0, -1]]]
     for vertex, way in zip(at_ends, (0.0, length), strict=False):
         if vertex >= 0:

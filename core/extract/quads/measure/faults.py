@@ -6,7 +6,7 @@ import numpy as np
 from ....geometry import TriangleMesh
 from ....geometry.nearest import NearestTriangles
 from ....graphs import components
-from ..trace.quad_mesh import SHORTEST, QuadMesh
+from ..trace.quad_mesh import QuadMesh
 from .quality import quality
 
 # Most corners of a face.
@@ -23,7 +23,7 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     """A line for each fault of a quad mesh on a surface; ``closed`` if the surface has no boundary."""
     figures = quality(quads)
     lengths = quads.edge_lengths
-    short = int((lengths < SHORTEST * np.median(lengths)).sum())
+    short = len(quads.edges_without_length)
     large = int((quads.sizes > MOST_CORNERS).sum())
     away = distance(quads, mesh, FARTHEST * figures["edge_length"])
     faces, (lost, handles), (parts, pieces) = (

@@ -61,7 +61,7 @@ def _simple_faces(corners: np.ndarray) -> list[list[int]]:
 
 
 def _join_halves(quads: QuadMesh) -> QuadMesh:
-    """Join the halves of edges in pairs, and give each fan of faces around a vertex a vertex of its own.
+    """Join edges of faces in pairs, and divide each vertex around which there are several fans of faces.
 
     Several edges may have the same ends. Two of their halves are joined if one fan of faces lies between them. That
     cuts the surface along these edges.
@@ -104,7 +104,10 @@ def _fans(tails: np.ndarray, heads: np.ndarray, joined: np.ndarray) -> np.ndarra
 
 
 def _without_crumbs(quads: QuadMesh, before: np.ndarray) -> QuadMesh:
-    """The quad mesh without small parts. Of those that were one piece before, by (f,) numbers, the largest stays."""
+    """The quad mesh without its small parts; of the parts of one piece before, the largest stays.
+
+    ``numbers``: (f,) piece of each face before.
+    """
     parts = components(len(quads.vertices), quads.half_edges)[quads.corner_vertices[quads.starts]]
     sizes = np.bincount(parts)[parts]
     largest = np.zeros(before.max() + 1, int)

@@ -32,10 +32,7 @@ def collapse_quads(
     corners : (n,) bool, vertices whose number of edges stays, too
     """
     faces = quads.corner_vertices.reshape(-1, 4).copy()
-    edges, counts = quads.edges
-    valences = np.bincount(edges.ravel(), minlength=len(held))
-    on_rim = np.zeros(len(held), bool)
-    on_rim[edges[counts == 1]] = True
+    valences, on_rim = np.bincount(quads.edges[0].ravel(), minlength=len(held)), quads.on_rim
     vertices = quads.vertices.copy()
     moved = np.zeros(len(held), bool)
     while (found := _first(faces, valences, on_rim, held, corners)) is not None:

@@ -10,10 +10,11 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
+from ....graphs import sum_by
 from ....unit_vectors import unit_vectors
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
 from ..measure.quality import corner_angles
-from ..trace.quad_mesh import SHORTEST, QuadMesh
+from ..trace.quad_mesh import QuadMesh
 
 # Share by which the sides of target rectangles are moved to their mean length in the first round, falling linearly.
 SQUARE = 0.5
@@ -41,35 +42,27 @@ def fit_quads(
         np.add.at(sums, quads.corner_vertices, weights)
         moved /= np.maximum(sums, _TINY)
         before, quads = quads, project_vertices(quads, mesh, lines, chains, movable, moved[movable])
-        met = np.intersect1d(movable, _ends_without_length(quads))
+        met = np.intersect1d(movable, quads.edges_without_length)
         if len(met):  # the nearest point of the surface to both is a corner: they stay where they were
             quads = move_vertices(quads, met, before.vertices[met], before.triangles[met], before.weights[met])
     return quads
 
 
 def part_vertices(quads: QuadMesh, mesh: TriangleMesh, kept: np.ndarray) -> QuadMesh:
-    """The quad mesh with one end of each edge without length, not one of (n,) bool kept ones if it can be helped, moved
-    to the middle of the vertices around it; on the rim, of those along the rim."""
-    edges, counts = quads.edges
-    lengths = quads.edge_lengths
-    short = edges[lengths < SHORTEST * np.median(lengths)] if len(edges) else edges
+    """The quad mesh with one end of each edge without length moved to the middle of its neighbours.
+
+    It is an end that is not kept, (n,) bool, if there is one. A vertex on the rim moves between those on the rim.
+    """
+    short = quads.edges_without_length
     which = np.unique(np.where(kept[short[:, 0]], short[:, 1], short[:, 0]))
     if len(which) == 0:
         return quads
-    on_rim = np.zeros(len(quads.vertices), bool)
-    on_rim[edges[counts == 1]] = True
-    ways = np.concatenate([edges, edges[:, ::-1]])
-    ways = ways[~on_rim[ways[:, 0]] | np.tile(counts == 1, 2)]
-    sums, numbers = np.zeros_like(quads.vertices), np.bincount(ways[:, 0], minlength=len(quads.vertices))
-    np.add.at(sums, ways[:, 0], quads.vertices[ways[:, 1]])
+    edges, counts = quads.edges
+    vertices, neighbours = np.concatenate([edges, edges[:, ::-1]]).T
+    heard = ~quads.on_rim[vertices] | np.tile(counts == 1, 2)
+    sums = sum_by(vertices[heard], quads.vertices[neighbours[heard]], len(kept))
+    numbers = np.bincount(vertices[heard], minlength=len(kept))
     return project_vertices(quads, mesh, np.full(len(kept), -1), None, which, sums[which] / numbers[which, None])
-
-
-def _ends_without_length(quads: QuadMesh) -> np.ndarray:
-    """The ends of edges without length."""
-    ends = quads.half_edges
-    lengths = np.linalg.norm(quads.vertices[ends[:, 1]] - quads.vertices[ends[:, 0]], axis=1)
-    return ends[lengths < SHORTEST * np.median(lengths)].ravel()
 
 
 def sliding_lines(free: np.ndarray, chains: Chains | None) -> np.ndarray:

@@ -91,6 +91,21 @@ class QuadMesh:
         edges, _ = self.edges
         return np.linalg.norm(self.vertices[edges[:, 1]] - self.vertices[edges[:, 0]], axis=1)
 
+    @property
+    def edges_without_length(self) -> np.ndarray:
+        """(k, 2) vertices of edges that are far shorter than others, the lower first."""
+        ends = self.half_edges
+        lengths = np.linalg.norm(self.vertices[ends[:, 1]] - self.vertices[ends[:, 0]], axis=1)
+        return np.unique(np.sort(ends[lengths < SHORTEST * np.median(lengths)], axis=1), axis=0)
+
+    @property
+    def on_rim(self) -> np.ndarray:
+        """(n,) bool: vertices of edges with one face."""
+        edges, counts = self.edges
+        result = np.zeros(len(self.vertices), bool)
+        result[edges[counts == 1]] = True
+        return result
+
     def middles(self, vertices: np.ndarray) -> np.ndarray:
         """(f, 3) mean of each face's corners, with the vertices at (n, 3) places."""
         return np.add.reduceat(vertices[self.corner_vertices], self.starts) / self.sizes[:, None]
