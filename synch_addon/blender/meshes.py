@@ -156,11 +156,11 @@ def _stretch(obj):
 
 def can_be_split(obj, faces, surface):
     """Those of (k,) faces that can be split into triangles, none of which exists as another face already; a face that
-    doubles another one in the surface's Polygons may be one of its triangles."""
+    doubles another one in the surface's Polygons may be one of its triangles, and is not split itself."""
+    faces = faces[surface.drawn[faces]]
     if len(faces) == 0:
-        return np.array([], int)
-    polygons, names = read_polygons(obj), np.arange(len(surface.starts))
-    shown = names if surface.alike is None else surface.corner_faces[surface.alike[surface.starts]]
+        return faces
+    polygons, shown = read_polygons(obj), _shown(surface)
     small = np.flatnonzero(polygons.sizes == 3)
     rows = np.isin(polygons.triangle_faces, faces)
     there = polygons.corner_vertices[polygons.starts[small, None] + np.arange(3)]
@@ -179,8 +179,19 @@ def can_be_split(obj, faces, surface):
     return np.array(chosen, int)
 
 
-def split_faces(obj, faces):
-    """Replace faces by the triangles that draw them, keeping all their corner and face data.
+def _shown(surface):
+    """(p,) the face of the surface's Polygons whose pattern each face shows: itself, or the one that it doubles."""
+    return surface.at_faces(np.arange(len(surface.starts)))
+
+
+def doubles_of(faces, surface):
+    """The polygons of more than three corners that double one of (k,) faces in the surface's Polygons."""
+    return np.flatnonzero(np.isin(_shown(surface), faces) & ~surface.drawn & (surface.sizes > 3))
+
+
+def split_faces(obj, faces, doubles):
+    """Replace faces by the triangles that draw them, keeping all their corner and face data, and remove their doubles,
+    whose own triangles could be others.
 
     A triangle that exists already is not made again (see :func:`can_be_split`).
 
@@ -194,7 +205,7 @@ def split_faces(obj, faces):
     corner = edited.loops.layers.int.new("synch_corner")
     for number, loop in enumerate(loop for face in edited.faces for loop in face.loops):
         loop[corner] = number
-    old = []
+    old = [edited.faces[index] for index in doubles]
     for index, face in [(index, edited.faces[index]) for index in faces]:
         loops = list(face.loops)
         source = {loop.vert: loop for loop in loops}

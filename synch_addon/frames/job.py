@@ -222,9 +222,7 @@ class AnimationJob:
         faces = meshes.can_be_split(obj, np.unique(np.concatenate(unfit)), self._base.polygons)
         if len(faces) == 0:
             return lambda polygons: polygons
-        self._report.warn(write.split_line(faces))
-        old_corners = meshes.split_faces(obj, faces)
-        now = meshes.read_polygons(obj)
+        now, old_corners = write.split_faces(obj, faces, self._base.polygons, self._report.warn)
         return lambda polygons: polygons.after_split(now, old_corners)
 
 

@@ -102,20 +102,23 @@ def write_phases(obj, given, edge_phases, warn):
     phases = face_phases(edge_phases, polygons)
     unfit = meshes.can_be_split(obj, phases[0].unfit, polygons)
     if len(unfit):
-        warn(split_line(unfit))
-        old_corners = meshes.split_faces(obj, unfit)
-        polygons = polygons.after_split(meshes.read_polygons(obj), old_corners)
+        polygons = polygons.after_split(*split_faces(obj, unfit, polygons, warn))
         phases = face_phases(edge_phases, polygons)
     pattern_attributes(obj, attribute_values(phases, given.at_object(edge_phases.arguments)))
     return polygons
 
 
-def split_line(faces):
-    """The warning that faces were split."""
-    return (
-        f"{len(faces)} faces with a defect were split into triangles, first face "
-        f"{faces[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
-    )
+def split_faces(obj, faces, surface, warn):
+    """Split (k,) faces into triangles, and say so; the Polygons now, and (c,) the corner that each corner was before.
+
+    ``surface`` are the Polygons as they were read; faces that double one that is split are removed.
+    """
+    doubles = meshes.doubles_of(faces, surface)
+    line = f"{len(faces)} faces with a defect were split into triangles, first face {faces[0]}"
+    line += f", and {len(doubles)} that doubled them removed" if len(doubles) else ""
+    warn(f"{line}: corner values carry one disclination, or two dislocations, in at most four corners")
+    old_corners = meshes.split_faces(obj, faces, doubles)
+    return meshes.read_polygons(obj), old_corners
 
 
 def _phase_attributes(count):

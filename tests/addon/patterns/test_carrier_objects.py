@@ -144,6 +144,21 @@ def test_a_patched_sphere_shows_a_pattern_without_jumps(build, command):
     assert jump < 1e-4 and compared > len(obj.data.edges)
 
 
+def test_doubles_of_split_faces_are_removed():
+    # Their own triangles could be others than those that the pattern is written for.
+    source = hexagon_sphere()
+    faces = [list(face.vertices) for face in source.data.polygons]
+    obj = add_object(places(source), [*faces, *(face[2:] + face[:2] for face in faces)], "Doubled")
+    report = api.stripes(obj, spacing=0.3)
+    split = len({d["face"] for d in report["disclinations"] + report["dislocations"]})
+    line = next(line for line in report["warnings"] if "were split into triangles" in line)
+    assert line.startswith(f"{split} faces") and f"and {split} that doubled them removed" in line
+    sizes = np.array([len(face.vertices) for face in obj.data.polygons])
+    assert (sizes > 3).sum() == 2 * (len(faces) - split)
+    assert largest_jump(obj)[0] < 1e-4 and api.vary(obj, 1)["dislocations"]
+    assert largest_jump(obj)[0] < 1e-4
+
+
 @pytest.mark.parametrize(
     ("build", "symmetry"),
     [(lambda: moebius_strip(60, 8), "line"), (klein_bottle, "vector"), (klein_bottle, "cross")],
