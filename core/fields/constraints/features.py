@@ -18,6 +18,7 @@ from ...unit_vectors import unit_vectors
 from .groups import Links, OneForm, join_links
 from .lines import line_of_edges, meeting_ends
 from .rows import GRID, Row
+from .strips import STRAIGHT, find_strips
 
 # Radians by which a line turns at a corner.
 CORNER = np.radians(30)
@@ -61,13 +62,37 @@ def feature_edges(
         sharp[marked] = True
     sharp[mesh.boundary_edges] = True
     edges = np.flatnonzero(sharp)
-    lengths = mesh.edge_lengths / np.broadcast_to(side, mesh.vertex_count)[mesh.edges].mean(axis=1)
+    sides = np.broadcast_to(side, mesh.vertex_count)
+    lengths = mesh.edge_lengths / sides[mesh.edges].mean(axis=1)
     on_boundary = mesh.edge_face_counts == 1
-    for pieces, shortest in ((pieces_between_corners, SHORTEST_LINE), (_connected_pieces, SHORTEST_PIECE)):
-        labels = pieces(mesh, edges)
-        long = np.bincount(labels, lengths[edges]) >= shortest
-        edges = edges[long[labels] | on_boundary[edges]]
-    return edges
+    labels = pieces_between_corners(mesh, edges)
+    lines = np.bincount(labels, lengths[edges])[labels]
+    long = (lines >= SHORTEST_LINE) | on_boundary[edges]
+    edges = edges[long | _are_rungs(mesh, edges, labels, long, lines >= SHORTEST_PIECE, sides)]
+    labels = _connected_pieces(mesh, edges)
+    return edges[(np.bincount(labels, lengths[edges]) >= SHORTEST_PIECE)[labels] | on_boundary[edges]]
+
+
+def _are_rungs(
+    mesh: TriangleMesh, edges: np.ndarray, labels: np.ndarray, long: np.ndarray, longer: np.ndarray, sides: np.ndarray
+) -> np.ndarray:
+    """(k,) bool: edges of short lines that lead straight across narrow strips between long ones on both sides.
+
+    Such a strip is one quad wide, and without the short line its two sides could be shifted against each other. At each
+    end two of the ``longer`` lines must meet, as on the rim of a plate: between short ones, as in slits, there is no
+    room for it.
+    """
+    met = np.bincount(mesh.edges[edges[longer]].ravel(), minlength=mesh.vertex_count) >= 2
+    rungs = np.bincount(labels, met[mesh.edges[edges]].sum(axis=1) * ~long)[labels] == 2
+    if not rungs.any():
+        return rungs
+    across, _ = find_strips(mesh, edges[long], sides)
+    rows = np.full(len(mesh.edges), -1)
+    rows[edges] = np.arange(len(edges))
+    beside = rows[mesh.triangle_edges]
+    cosines = np.einsum("mkx,mx->mk", unit_vectors(mesh.edge_vectors[edges])[beside], across)
+    is_straight = np.bincount(beside[(beside >= 0) & (np.abs(cosines) > STRAIGHT)], minlength=len(edges)) == 2
+    return rungs & (np.bincount(labels, is_straight) >= np.bincount(labels) / 2)[labels]
 
 
 def _makes_facets(mesh: TriangleMesh, edges: np.ndarray, side: float | np.ndarray) -> bool:

@@ -5,7 +5,7 @@ Where lines run side by side closer than a quad's side, the phase on both rounds
 would become one grid line. There lengths across the strip are enlarged, and those along it kept.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -25,6 +25,8 @@ STRAIGHT = 0.8
 BESIDE = np.cos(np.radians(12))
 # Distance of sample points on lines, in sides of a quad.
 STEP = 0.1
+# Triangles whose pairs with points are held at a time.
+RUN = 1024
 
 
 def strip_stretch(one_form: OneForm, rows: Sequence[Row]) -> complex | np.ndarray:
@@ -47,48 +49,56 @@ def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tup
     step = STEP * sides.min()
     points, tangents, regions = _on_lines(mesh, edges, step)
     places, reach = mesh.vertices[mesh.triangles].mean(axis=1), ACROSS * sides[mesh.triangles].mean(axis=1)
-    triangles, met = _within_reach(places, mesh.parts_between(edges), reach, points, regions)
-    ways = points[met] - places[triangles]
-    lengths = np.linalg.norm(ways, axis=1)
-    nearest = np.zeros(mesh.triangle_count, int)
-    first = _first_of_each(triangles, lengths, np.arange(len(met)))
-    nearest[triangles[first]] = met[first]
-    own = nearest[triangles]
-    across = unit_vectors(np.cross(mesh.face_normals[triangles], tangents[own]))
-    heights = np.einsum("kx,kx->k", ways, across)
-    own_heights = np.einsum("kx,kx->k", points[own] - places[triangles], across)
-    beside = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own])) > BESIDE
-    # Within one step of the sample points, the distance from the line itself is used.
-    along = np.einsum("kx,kx->k", ways, tangents[met])
-    straight = np.where(np.abs(along) < step, np.sqrt(np.maximum(lengths**2 - along**2, 0)), lengths)
-    opposite = np.flatnonzero(beside & (-np.sign(own_heights) * heights > STRAIGHT * straight))
-    found = _first_of_each(triangles, lengths, opposite)
-    widths = np.maximum(np.abs(heights - own_heights)[found], np.finfo(float).tiny)
-    at, directions, factors = triangles[found], np.zeros((mesh.triangle_count, 3)), np.ones(mesh.triangle_count)
-    directions[at], factors[at] = across[found], np.clip(reach[at] / widths, 1, MOST)
+    directions, factors = np.zeros((mesh.triangle_count, 3)), np.ones(mesh.triangle_count)
+    for triangles, met in _within_reach(places, mesh.parts_between(edges), reach, points, regions):
+        ways = points[met] - places[triangles]
+        lengths = np.linalg.norm(ways, axis=1)
+        nearest = _first_of_each(triangles, lengths)
+        at, own = triangles[nearest], met[nearest]
+        # Of each triangle that has points near by, by its place in ``at``.
+        across = unit_vectors(np.cross(mesh.face_normals[at], tangents[own]))
+        own_heights = np.einsum("kx,kx->k", points[own] - places[at], across)
+        which = np.cumsum(np.diff(triangles, prepend=-1) != 0) - 1
+        parallel = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own][which])) > BESIDE
+        which, met, ways, lengths = which[parallel], met[parallel], ways[parallel], lengths[parallel]
+        heights = np.einsum("kx,kx->k", ways, across[which])
+        # Within one step of the sample points, the distance from the line itself is used.
+        along = np.einsum("kx,kx->k", ways, tangents[met])
+        straight = np.where(np.abs(along) < step, np.sqrt(np.maximum(lengths**2 - along**2, 0)), lengths)
+        opposite = np.flatnonzero(-np.sign(own_heights[which]) * heights > STRAIGHT * straight)
+        found = opposite[_first_of_each(which[opposite], lengths[opposite])]
+        row = which[found]
+        widths = np.maximum(np.abs(heights[found] - own_heights[row]), np.finfo(float).tiny)
+        directions[at[row]], factors[at[row]] = across[row], np.clip(reach[at[row]] / widths, 1, MOST)
     return directions, factors
 
 
 def _within_reach(
     places: np.ndarray, own: np.ndarray, reach: np.ndarray, points: np.ndarray, regions: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Pairs of (m, 3) places in (m,) own regions and of points on lines beside these that are within (m,) reach of
-    them: (k,) places, (k,) points. Places farther than half of it from all such points are in no strip and are left
-    out."""
+    them: (k,) places, ascending, and (k,) points, for :data:`RUN` places at a time. Places farther than half of it from
+    all such points are in no strip and are left out."""
     # Regions lie apart along a fourth axis.
     apart = 4 * reach.max(initial=0)
     which, side = np.nonzero((regions >= 0) & (np.diff(regions, prepend=-2) != 0))
     tree = cKDTree(np.column_stack([points[which], apart * regions[which, side]]))
     places = np.column_stack([places, apart * own])
     near = np.flatnonzero(tree.query(places, distance_upper_bound=reach.max() / 2)[0] < reach / 2)
-    rows, reached = pairs_within(tree, places[near], reach[near])
-    return near[rows], which[reached]
+    for begin in range(0, len(near), RUN):
+        part = near[begin : begin + RUN]
+        rows, reached = pairs_within(tree, places[part], reach[part])
+        yield part[rows], which[reached]
 
 
-def _first_of_each(labels: np.ndarray, lengths: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """The shortest of the (c,) chosen items of each label."""
-    order = chosen[np.lexsort((lengths[chosen], labels[chosen]))]
-    return order[np.unique(labels[order], return_index=True)[1]]
+def _first_of_each(labels: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """The (l,) first of the shortest items of each label; (k,) labels ascend."""
+    starts = np.flatnonzero(np.diff(labels, prepend=-1))
+    if len(starts) == 0:
+        return starts
+    shortest = np.repeat(np.minimum.reduceat(lengths, starts), np.diff(starts, append=len(labels)))
+    found = np.flatnonzero(lengths == shortest)
+    return found[np.diff(labels[found], prepend=-1) != 0]
 
 
 def _on_lines(mesh: TriangleMesh, edges: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -24,7 +24,7 @@ from synch_fields.core.tasks.surface_source import SurfaceSource
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 
 from ..flat_crosses import plane_crosses
-from ..meshes import bumpy_torus, icosphere, square, torus
+from ..meshes import bumpy_torus, cube, icosphere, square, torus
 from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, plate_with_holes, samples, wedge
 
 
@@ -268,3 +268,9 @@ def test_holes_narrower_than_a_quad_are_closed_where_quads_would_meet_themselves
     assert any(f"{lost} of 9 tunnels or handles of the surface" in line for line in result.warnings)
     # The plate is as large as before, and its flat sides are where they were.
     assert np.ptp(result.quads.vertices, axis=0) == pytest.approx([8, 8, 0.3])
+
+
+def test_thin_plates_are_grids_on_both_sides_and_their_rim():
+    thin = TriangleMesh(cube(20).vertices * [1, 1, 0.02], cube(20).triangles)
+    quads = asked(thin, spacing=0.1, faces=420, features=ANGLE, smoothing=20).solve().quads
+    assert quads.is_irregular.sum() == 8 and quality(quads)["angle_deviation"] < 0.5

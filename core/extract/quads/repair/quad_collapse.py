@@ -2,7 +2,8 @@
 """Quad collapses (Daniels et al. 2008): two opposite corners of a quad are merged where that regularises vertices.
 
 Where odd faces were paired, vertices with three and with five edges lie beside each other. Collapsing a quad whose
-corners have 3, 5, 3 and 5 edges leaves only regular vertices.
+corners have 3, 5, 3 and 5 edges leaves only regular vertices. Where an edge of a line was halved between two odd faces,
+two quads share both halves: the ends of the edge are merged, and both quads go.
 """
 
 import numpy as np
@@ -14,6 +15,8 @@ from ..trace.quad_mesh import QuadMesh
 
 # Fewest edges at an interior vertex, and at one on the boundary.
 FEWEST, FEWEST_ON_RIM = 3, 2
+# Most edges at a vertex that stands for both ends of a halved edge.
+MOST = 6
 
 
 def collapse_quads(
@@ -21,8 +24,8 @@ def collapse_quads(
 ) -> tuple[QuadMesh, np.ndarray]:
     """The quad mesh with quads collapsed, and (k,) the vertices that were kept, in their order.
 
-    Each collapse reduces the sum of squares of the vertices' surplus or missing edges, and does not increase the number
-    of irregular vertices.
+    A collapse of a quad reduces the sum of squares of the vertices' surplus or missing edges, and does not increase the
+    number of irregular vertices.
 
     Parameters
     ----------
@@ -34,6 +37,7 @@ def collapse_quads(
     faces = quads.corner_vertices.reshape(-1, 4).copy()
     valences, on_rim = np.bincount(quads.edges[0].ravel(), minlength=len(held)), quads.on_rim
     vertices = quads.vertices.copy()
+    faces = _merge_halved_edges(faces, valences, on_rim, corners)
     moved = np.zeros(len(held), bool)
     while (found := _first(faces, valences, on_rim, held, corners)) is not None:
         number, (a, b, c, d) = found
@@ -53,6 +57,28 @@ def collapse_quads(
     return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 
 
+def _merge_halved_edges(faces: np.ndarray, valences: np.ndarray, on_rim: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The (f, 4) faces where the ends of edges, whose middle has only two quads, are merged; one end stays in place.
+
+    Both ends are on the edge's line. The vertices' numbers of edges are brought up to date.
+    """
+    for middle in np.flatnonzero((valences == 2) & ~on_rim):
+        rows, places = np.nonzero(faces == middle)
+        if len(rows) != 2:
+            continue
+        (a, b, c), (_, d, _) = (np.roll(faces[row], -place)[1:] for row, place in zip(rows, places, strict=True))
+        merged = valences[a] + valences[c] - 4
+        stays = on_rim[[a, b, c, d]].any() or (corners[a] and corners[c])
+        if stays or merged > MOST or valences[[b, d]].min() <= FEWEST or not _is_free(faces, a, c, {b, d, middle}):
+            continue
+        kept, gone = (c, a) if corners[c] else (a, c)
+        valences[kept], valences[[gone, middle]] = merged, 0
+        valences[[b, d]] -= 1
+        faces = np.delete(faces, rows, axis=0)
+        faces[faces == gone] = kept
+    return faces
+
+
 def _first(
     faces: np.ndarray, valences: np.ndarray, on_rim: np.ndarray, held: np.ndarray, corners: np.ndarray
 ) -> tuple[int, np.ndarray] | None:
@@ -70,16 +96,17 @@ def _first(
     allowed &= (gain > 0) & ((after != 0).sum(axis=1) <= (before != 0).sum(axis=1))
     candidates = np.flatnonzero(allowed)
     for candidate in candidates[np.argsort(-gain[candidates], kind="stable")]:
-        if _is_free(faces, *ways[candidate]):
+        a, b, c, d = ways[candidate]
+        if _is_free(faces, a, c, {b, d}):
             return candidate % len(faces), ways[candidate]
     return None
 
 
-def _is_free(faces: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
-    """Whether a and c have only b and d as common neighbours, and are not neighbours themselves."""
+def _is_free(faces: np.ndarray, a: int, c: int, common: set[int]) -> bool:
+    """Whether a and c have only these common neighbours, and are not neighbours themselves."""
     around = []
     for vertex in (a, c):
         at = np.argwhere(faces == vertex)
         sides = [faces[at[:, 0], (at[:, 1] + step) % 4] for step in (1, 3)]
         around.append(set(np.concatenate(sides).tolist()))
-    return around[0] & around[1] == {b, d} and c not in around[0]
+    return around[0] & around[1] == common and c not in around[0]

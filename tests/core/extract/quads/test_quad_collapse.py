@@ -7,6 +7,7 @@ import pytest
 from synch_fields.core.extract.quads.repair.quad_collapse import collapse_quads
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.barycentric import barycentric
 
 from ...flat_crosses import plane_edge_phases
 from ...meshes import square
@@ -109,3 +110,40 @@ def test_a_cube_is_no_more_regular_with_a_face_less():
     cube = QuadMesh(corners, np.zeros(8, int), np.eye(3)[[0] * 8], faces.ravel(), np.full(6, 4))
     after, kept = closed(cube, mesh, np.zeros(8, bool))
     assert len(kept) == 8 and (valences(after) == 3).all()
+
+
+def around_a_halved_edge():
+    """A disk of eight quads, two of which share both halves of the edge a to c, and its surface; a to d are numbers 0
+    to 3, and the middle of the edge is 4."""
+    a, c, b, d, middle = range(5)
+    around = 2 * np.pi / 8 * np.arange(8)
+    ring = np.column_stack([np.cos(around), np.sin(around), 0 * around]) / 2
+    places = np.array([[-0.1, 0, 0], [0.1, 0, 0], [0, 0.25, 0], [0, -0.25, 0], [0, 0, 0]])
+    east, north, west, south = 5, 7, 9, 11
+    faces = [
+        [a, middle, c, b], [c, middle, a, d],
+        [c, east, 6, b], [b, 6, north, 8], [b, 8, west, a], [a, west, 10, d], [d, 10, south, 12], [d, 12, east, c],
+    ]  # fmt: skip
+    vertices = np.vstack([places, ring]) + [0.5, 0.5, 0]
+    mesh = square(20)
+    on, triangles = mesh.finder.nearest(vertices)
+    bad = QuadMesh(vertices, triangles, barycentric(mesh, triangles, on), np.ravel(faces), np.full(8, 4))
+    assert euler(bad) == 1 and valences(bad)[:5].tolist() == [4, 4, 4, 4, 2]
+    return mesh, bad
+
+
+@pytest.mark.parametrize("corners", [(), (0,), (1,)])
+def test_the_ends_of_a_halved_edge_are_merged(corners):
+    mesh, bad = around_a_halved_edge()
+    held = np.isin(np.arange(13), [0, 1, 4]) | on_rim(bad)
+    after, kept = closed(bad, mesh, held, corners)
+    stays = corners[0] if corners else kept[0]
+    assert len(after.sizes) == 6 and euler(after) == 1 and len(kept) == 11
+    assert valences(after)[np.searchsorted(kept, [stays, 2, 3])].tolist() == [4, 3, 3]
+    np.testing.assert_array_equal(after.vertices[np.searchsorted(kept, stays)], bad.vertices[stays])
+
+
+def test_a_halved_edge_between_two_corners_stays():
+    mesh, bad = around_a_halved_edge()
+    after, _ = closed(bad, mesh, np.ones(13, bool), (0, 1))
+    np.testing.assert_array_equal(after.corner_vertices, bad.corner_vertices)

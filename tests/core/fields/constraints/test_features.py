@@ -44,6 +44,16 @@ def test_what_a_few_quads_do_not_fit_on_is_no_feature_but_a_boundary_is():
     assert len(feature_edges(square(6), ANGLE, 10.0)) == 24
 
 
+def test_short_edges_across_the_rim_of_a_plate_are_features():
+    # Without them its upper and lower side could be shifted against each other by a quad.
+    thin = TriangleMesh(cube(16).vertices * [1, 1, 0.03], cube(16).triangles)
+    edges = feature_edges(thin, ANGLE, 0.06)
+    upright = np.abs(np.diff(thin.vertices[thin.edges[edges], 2], axis=1)[:, 0]) > 1e-6
+    assert upright.sum() == 4 * 16 and len(edges) == 12 * 16
+    # On a short plate there is no room for them.
+    assert len(feature_edges(thin, ANGLE, 0.3)) == 8 * 16
+
+
 @pytest.mark.parametrize("mesh", [icosphere(3), torus(), cube(12)], ids=["ball", "torus", "cube"])
 def test_marks_of_a_mesh_that_is_shown_flat_are_no_features_but_of_facets_that_quads_fit_on(mesh):
     every, length = np.arange(len(mesh.edges)), np.median(mesh.edge_lengths)
