@@ -62,7 +62,7 @@ def _merge_halved_edges(faces: np.ndarray, valences: np.ndarray, on_rim: np.ndar
 
     Both ends are on the edge's line. The vertices' numbers of edges are brought up to date.
     """
-    for middle in np.flatnonzero((valences == 2) & ~on_rim):
+    for middle in np.flatnonzero((valences == 2) & ~on_rim).tolist():
         rows, places = np.nonzero(faces == middle)
         if len(rows) != 2:
             continue
