@@ -147,12 +147,12 @@ def small_meshes(extension, request):
 @pytest.fixture(autouse=True)
 def kept_results(extension, request):
     """A request that another test has solved is not solved again, save by tests that replace parts of the program by
-    `monkeypatch`, and by those that are about the search."""
+    `monkeypatch`, and by those that are about the search. What a test asks for twice it compares: that is solved."""
     from .kept_results import KINDS, kept
 
     with pytest.MonkeyPatch.context() as patch:
-        marks = {mark.name for mark in request.node.iter_markers()}
+        marks, asked = {mark.name for mark in request.node.iter_markers()}, set()
         if "monkeypatch" not in request.fixturenames and not marks & {"full_search", "slow"}:
             for kind in KINDS:
-                patch.setattr(kind, "solve", kept(kind.solve))
+                patch.setattr(kind, "solve", kept(kind.solve, asked))
         yield

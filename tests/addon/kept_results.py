@@ -19,19 +19,22 @@ MOST = 200
 _parcels = OrderedDict()
 
 
-def kept(solve):
+def kept(solve, asked):
     """The method ``solve`` of a kind of request, which hands out a copy, as a child process does, of a result that it
-    has found before. A solve whose progress a caller follows is made."""
+    has found before. It solves where a caller follows its progress, and what one test asks for again: the set ``asked``
+    is that of a test."""
 
     @wraps(solve)
     def solve_or_copy(request, progress=None):
         key = None if _is_followed(progress) else _key_of(request)
         shared = getattr(request, "shared", ())
-        if key in _parcels:
+        if key in _parcels and key not in asked:
+            asked.add(key)
             _parcels.move_to_end(key)
             return Unpacker(shared).feed(_parcels[key])[0]
         result = solve(request, progress)
         if key is not None:
+            asked.add(key)
             _parcels[key] = b"".join(pack_parts(result, shared))
             if len(_parcels) > MOST:
                 _parcels.popitem(last=False)
