@@ -122,7 +122,7 @@ def test_spacing_maps_that_are_of_no_use_are_refused(capfd):
 
 
 def test_spokes_ask_for_as_many_dislocations_as_the_rims_differ_in_stripes(capfd):
-    obj = ring(np.linspace(0.4, 1.0, 12), 80)
+    obj = ring(np.linspace(0.4, 1.0, 18), 90)
     set_vectors(obj, "spokes", places(obj))
     for spacing in (0.15, 0.3):
         report = api.stripes(obj, guidance="attribute:spokes", spacing=spacing)
