@@ -62,10 +62,9 @@ def run(venv, arguments: list[str]) -> int:
 def run_at_once(venv, arguments: list[str], count: int) -> int:
     """The status of all tests, whose files processes share out; what the others print follows that of the first."""
     logs = [None, *(tempfile.TemporaryFile() for _ in range(count - 1))]
-    # A core for each: more threads of their solves would only wait for one another.
-    parts = [
-        start(venv, [*arguments, "--part", f"{k}/{count}"], log, SYNCH_THREADS="1") for k, log in enumerate(logs, 1)
-    ]
+    # A core for each: more threads, of solves and of BLAS, would only wait for one another.
+    threads = {"SYNCH_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    parts = [start(venv, [*arguments, "--part", f"{k}/{count}"], log, **threads) for k, log in enumerate(logs, 1)]
     status = max(part.wait() for part in parts)
     for log in logs[1:]:
         log.seek(0)

@@ -6,17 +6,30 @@ up to ten times slower on a busy machine, and never faster.
 """
 
 import os
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import lru_cache
 
 from ..threads import Event, Lock, Thread, local, start_thread
 
 try:
-    from threadpoolctl import threadpool_limits
+    from threadpoolctl import ThreadpoolController
 except ImportError:  # an extension without wheels, in a Blender that has only SciPy
-    threadpool_limits = None
+    ThreadpoolController = None
 
 _here = local()
+
+
+@lru_cache(maxsize=1)
+def _controller(_modules: int) -> ThreadpoolController:
+    """Find the libraries that this process has loaded, which takes 2 ms: once for each number of loaded modules."""
+    return ThreadpoolController()
+
+
+def _limit() -> AbstractContextManager[object]:
+    """Limit every BLAS that is loaded to one thread, until the context ends."""
+    return _controller(len(sys.modules)).limit(limits=1, user_api="blas")
 
 
 class _Everywhere:
@@ -60,7 +73,7 @@ class _Everywhere:
 
 def _keep(limited: Event, ended: Event) -> None:
     try:
-        with threadpool_limits(1, user_api="blas"):
+        with _limit():
             limited.set()
             ended.wait()
     finally:  # also end the wait for a limit that failed
@@ -86,12 +99,12 @@ def one_blas_thread() -> Iterator[None]:
 
     Some builds of BLAS (OpenMP) have a pool for each calling thread, which is limited as well.
     """
-    if threadpool_limits is None or getattr(_here, "is_inside", False):
+    if ThreadpoolController is None or getattr(_here, "is_inside", False):
         yield
         return
     _here.is_inside = True
     try:
-        with _everywhere, threadpool_limits(1, user_api="blas"):
+        with _everywhere, _limit():
             yield
     finally:
         _here.is_inside = False

@@ -135,8 +135,24 @@ def blender(extension):
 
 
 @pytest.fixture(autouse=True)
-def small_meshes(extension, request, monkeypatch):
+def small_meshes(extension, request):
     """Meshes of most tests are coarse, to be solved in a moment: they carry their patterns themselves all the same. A
     test that is marked with ``any_surface`` sees what users see."""
-    if request.node.get_closest_marker("any_surface") is None:
-        monkeypatch.setattr("synch_fields.synch_addon.reading.refinement.is_fine", lambda *_: True)
+    with pytest.MonkeyPatch.context() as patch:
+        if request.node.get_closest_marker("any_surface") is None:
+            patch.setattr("synch_fields.synch_addon.reading.refinement.is_fine", lambda *_: True)
+        yield
+
+
+@pytest.fixture(autouse=True)
+def kept_results(extension, request):
+    """A request that another test has solved is not solved again, save by tests that replace parts of the program by
+    `monkeypatch`, and by those that are about the search. What a test asks for twice it compares: that is solved."""
+    from .kept_results import KINDS, kept
+
+    with pytest.MonkeyPatch.context() as patch:
+        marks, asked = {mark.name for mark in request.node.iter_markers()}, set()
+        if "monkeypatch" not in request.fixturenames and not marks & {"full_search", "slow"}:
+            for kind in KINDS:
+                patch.setattr(kind, "solve", kept(kind.solve, asked))
+        yield

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every main operator on a small object; `tests/ui/test_languages.py` runs them in other languages."""
+"""Every main operator on a small object, in other languages than English: `tests/ui/test_languages.py` runs them. In
+English the tests of each operator do."""
+
+import os
 
 import bpy
 import pytest
@@ -15,6 +18,7 @@ from .scenes import grid, make_active, sphere
 from .solid_objects import block
 from .vortex_scenes import QUICK, write_npz
 
+pytestmark = pytest.mark.skipif("SYNCH_LANGUAGE" not in os.environ, reason="for other languages than English")
 SPACING = {"stripes": 0.6, "quads": 0.8}
 
 

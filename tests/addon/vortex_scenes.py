@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flows of vortex rings as files, for tests in Blender."""
+"""Flows of vortex rings as files and curves, for tests in Blender."""
 
+import bpy
 import numpy as np
 
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.synch_addon.blender import openvdb
+from synch_fields.synch_addon.flows.sources import STRENGTH
 
 # So coarse that a solve takes a second, and fine enough for half a cell to tell.
 SHAPE, SPACING, RADIUS = (18, 18, 14), 0.1, 0.5
@@ -51,3 +53,21 @@ def points_of(obj):
     """(p, 3) points of all splines."""
     places = [np.array([point.co[:3] for point in spline.points]) for spline in obj.data.splines]
     return np.concatenate(places) if places else np.empty((0, 3))
+
+
+def circle(radius=1.0, location=(0, 0, 0), strength=1.0, segments=100):
+    """A curve object, a circle about its local z axis, counterclockwise."""
+    data = bpy.data.curves.new("Circle", "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new("POLY")
+    spline.points.add(segments - 1)
+    turn = np.arange(segments) * 2 * np.pi / segments
+    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn, np.ones(segments)])
+    spline.points.foreach_set("co", points.ravel())
+    spline.use_cyclic_u = True
+    obj = bpy.data.objects.new("Circle", data)
+    obj.location = location
+    obj[STRENGTH] = strength
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj

@@ -30,5 +30,7 @@ def numbers_of_child(code, *arguments):
     """The numbers that Python code prints in a process of its own."""
     root = str(Path(synch_fields.__path__[0]).absolute().parent)
     command = [sys.executable, "-c", code, *arguments]
-    found = subprocess.run(command, capture_output=True, text=True, env={"PYTHONPATH": root}, check=True)
+    # One thread of BLAS, as in a solve: others would wait for it, and take the time of what runs beside.
+    variables = {"PYTHONPATH": root, "OPENBLAS_NUM_THREADS": "1"}
+    found = subprocess.run(command, capture_output=True, text=True, env=variables, check=True)
     return [float(word) for word in found.stdout.split()]

@@ -154,7 +154,7 @@ from synch_fields.core.algebra.factorization import front_width, is_positive_def
 from synch_fields.core.memory import peak_megabytes, used_bytes
 from synch_fields.core.solve.methods.memory_estimate import proof_bytes
 from synch_fields.tests.core.layered_solids import block, layer_problem
-solid = block((24, 18, 18), (1.3, 1, 1))
+solid = block((20, 15, 15), (1.3, 1, 1))
 (piece,) = layer_problem(solid, np.tile([0, 0, 1.0], (solid.vertex_count, 1)), 0.3).pieces
 width = front_width(piece.matrix)
 is_positive_definite(piece.matrix[:50, :50])  # loads SciPy's modules

@@ -17,6 +17,7 @@ from synch_fields.examples import max_cut
 
 from ..core.graphs import only_piece
 
+pytestmark = pytest.mark.full_search
 RING = range(5)
 PETERSEN = [*((k, (k + 1) % 5) for k in RING), *((k, k + 5) for k in RING), *((5 + k, 5 + (k + 2) % 5) for k in RING)]
 

@@ -275,22 +275,28 @@ def damaged_glb(text):
     return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text), len(text), b"JSON") + text
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        damaged_glb(b'{"asset": {"version": "2.0"}, "scenes": [{"nodes": [5]}], "nodes": []}'),
-        damaged_glb(b"[1, 2]"),
-    ],
-    ids=range(2),
-)
-def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback(tmp_path, content):
+DAMAGED = [
+    damaged_glb(b'{"asset": {"version": "2.0"}, "scenes": [{"nodes": [5]}], "nodes": []}'),
+    damaged_glb(b"[1, 2]"),
+]
+# A command for each file that is named, in one process.
+EACH = """
+import sys
+from synch_fields.synch_addon.command.main import main
+print([main(["info", path]) for path in sys.argv[1:]])
+"""
+
+
+def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback(tmp_path):
     """In a process of its own, where nothing else catches what the importer writes."""
-    path = tmp_path / "bad.glb"
-    path.write_bytes(content)
-    found = process("info", path)
-    assert found.returncode == 1 and found.stdout == ""
+    paths = [tmp_path / f"bad{number}.glb" for number in range(len(DAMAGED))]
+    for path, content in zip(paths, DAMAGED, strict=True):
+        path.write_bytes(content)
+    found = process(*paths, program=("-c", EACH))
+    assert found.stdout == "[1, 1]\n", found.stderr
     lines = found.stderr.splitlines()
-    assert len(lines) == 1 and lines[0].startswith(f"synch info: {path}"), found.stderr
+    assert len(lines) == 2, found.stderr
+    assert all(line.startswith(f"synch info: {path}") for line, path in zip(lines, paths, strict=True))
 
 
 @pytest.mark.parametrize("kind", ["device", "socket"])

@@ -15,6 +15,7 @@ from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.panels import overlay
 from synch_fields.synch_addon.patterns import memory, write
 
+from ...corpus.makers import moebius_strip
 from ..scenes import add_group, add_object, grid, quad_sphere, set_vectors, snapshot, sphere, tube
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -48,15 +49,8 @@ def flipped_face():
     return add_object(SQUARE, [(0, 1, 2), (0, 3, 2)])
 
 
-def moebius_strip():
-    turn = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    rims = [
-        ((2 + s * np.cos(a / 2)) * np.cos(a), (2 + s * np.cos(a / 2)) * np.sin(a), s * np.sin(a / 2))
-        for a in turn
-        for s in (-0.5, 0.5)
-    ]
-    ahead = [(2 * k + 2, 2 * k + 3) if k < 11 else (1, 0) for k in range(12)]
-    return add_object(rims, [(2 * k, low, high, 2 * k + 1) for k, (low, high) in enumerate(ahead)])
+def one_sided():
+    return add_object(*moebius_strip())
 
 
 def lost_coordinates():
@@ -102,7 +96,7 @@ CASES = {
     "non-manifold edge": (three_faces_at_an_edge, STRICT, "edge between vertices 0 and 2 has 3 faces", "keep two"),
     "bow-tie vertex": (bow_tie, STRICT, "vertex 2 has faces that touch only at this point", "Split"),
     "flipped face": (flipped_face, STRICT, "faces 0 and 1 at the edge between vertices 0 and 2", "Recalculate Outside"),
-    "one-sided": (moebius_strip, STRICT, "the surface is one-sided at faces", "cut it open"),
+    "one-sided": (one_sided, STRICT, "the surface is one-sided at faces", "cut it open"),
     "not a number": (lost_coordinates, STRICT, "vertex 1 has no finite position", "delete it"),
     "broken piece": (broken_piece, STRICT, "face 4 has no area (in the piece of vertex 4, one of 2)", "Dissolve"),
     "zero scale": (no_scale, {}, "the scale of Icosphere is zero", "give it a scale"),

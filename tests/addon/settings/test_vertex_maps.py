@@ -56,7 +56,7 @@ def asked_phase(obj, x, spacings):
 
 @pytest.mark.parametrize("way, kind", [("api", "group"), ("operator", "group"), ("command line", "attribute")])
 def test_stripes_are_twice_as_wide_on_one_side(way, kind):
-    obj = grid(60)
+    obj = grid(40)
     x = places(obj)[:, 0]
     right = x > 1e-6
     if kind == "group":
@@ -72,12 +72,12 @@ def test_stripes_are_twice_as_wide_on_one_side(way, kind):
     row = np.abs(places(obj)[:, 1]) < 1e-6
     pattern = attribute(obj, "synch_pattern")[row][np.argsort(x[row])]
     crossings = np.flatnonzero(np.diff(np.sign(pattern)))
-    assert np.count_nonzero(crossings < 30) == 8 and np.count_nonzero(crossings >= 30) == 4
+    assert np.count_nonzero(crossings < 20) == 8 and np.count_nonzero(crossings >= 20) == 4
     assert not attribute(obj, "synch_index").any()
 
 
 def test_weights_between_give_spacings_between_and_the_range_says_how_far():
-    obj = grid(40)
+    obj = grid(30)
     x = places(obj)[:, 0]
     add_weights(obj, "ramp", (x + 1) / 2)
     api.stripes(obj, guidance="axis:Y", symmetry="vector", spacing=0.6, spacing_map="ramp", spacing_range=0.4)
@@ -86,7 +86,7 @@ def test_weights_between_give_spacings_between_and_the_range_says_how_far():
 
 
 def test_automatic_spacing_is_the_maps_factor_one():
-    obj = grid(60)
+    obj = grid(30)
     plain = api.stripes(obj, guidance="axis:Y")["settings"]["spacing"]
     set_numbers(obj, "wide", np.full(len(obj.data.vertices), 3.0))
     report = api.stripes(obj, guidance="axis:Y", symmetry="vector", spacing_map="wide")
@@ -122,7 +122,7 @@ def test_spacing_maps_that_are_of_no_use_are_refused(capfd):
 
 
 def test_spokes_ask_for_as_many_dislocations_as_the_rims_differ_in_stripes(capfd):
-    obj = ring(np.linspace(0.4, 1.0, 24), 120)
+    obj = ring(np.linspace(0.4, 1.0, 18), 90)
     set_vectors(obj, "spokes", places(obj))
     for spacing in (0.15, 0.3):
         report = api.stripes(obj, guidance="attribute:spokes", spacing=spacing)

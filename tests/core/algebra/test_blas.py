@@ -7,7 +7,7 @@ import subprocess
 import sys
 import textwrap
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import pytest
 
@@ -120,13 +120,37 @@ def test_a_pool_of_the_calling_thread_is_limited_once_as_well(monkeypatch):
     asked = []
 
     @contextmanager
-    def threadpool_limits(count, user_api):
+    def limit():
         asked.append(threading.current_thread())
-        assert (count, user_api) == (1, "blas")
         yield
 
-    monkeypatch.setattr(blas, "threadpool_limits", threadpool_limits)
+    monkeypatch.setattr(blas, "_limit", limit)
     with blas.one_blas_thread(), blas.one_blas_thread():
         assert len(asked) == 2 and asked[1] is threading.current_thread() is not asked[0]
         assert asked[0].is_alive()
     assert not asked[0].is_alive()
+
+
+def test_libraries_are_looked_for_again_when_modules_have_been_loaded(monkeypatch):
+    looks = []
+
+    class Controller:
+        def __init__(self):
+            looks.append(len(sys.modules))
+
+        def limit(self, limits, user_api):
+            assert (limits, user_api) == (1, "blas")
+            return nullcontext()
+
+    monkeypatch.setattr(blas, "ThreadpoolController", Controller)
+    blas._controller.cache_clear()
+    try:
+        for _ in range(2):
+            with blas.one_blas_thread():
+                pass
+        monkeypatch.setitem(sys.modules, "loaded_since", sys)
+        with blas.one_blas_thread():
+            pass
+    finally:
+        blas._controller.cache_clear()
+    assert len(looks) == 2

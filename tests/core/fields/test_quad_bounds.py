@@ -54,6 +54,7 @@ def unremarkable(build, spacing, seed=0):
     return pattern_problem(mesh, field, PatternWishes(spacing))
 
 
+@pytest.mark.full_search
 @pytest.mark.parametrize(
     ("build", "spacing"),
     [

@@ -115,10 +115,10 @@ print(taken / request.estimate.bytes)
 @pytest.mark.parametrize(
     ("shape", "size", "spacing", "guide"),
     [
-        ("ball", 0.13, 0.3, "whirl"),
+        pytest.param("ball", 0.13, 0.3, "whirl", marks=pytest.mark.slow),
         ("ball", 0.11, 0.3, "whirl"),  # the largest ball with a proof
         ("ball", 0.1, 0.3, "whirl"),
-        ("ball", 0.085, 0.3, "whirl"),
+        pytest.param("ball", 0.085, 0.3, "whirl", marks=pytest.mark.slow),
         ("8 1 1", 0.12, 0.3, "whirl"),
         ("1 1 1", 0.055, 0.01, "up"),  # many layers across an edge
     ],
