@@ -138,9 +138,11 @@ def circle_transports(angles: ArrayLike, flips: ArrayLike | None = None) -> np.n
     angles = np.asarray(angles, float)
     if flips is None or not np.any(flips):
         return np.exp(1j * angles)
-    cosine, sine = np.cos(angles), np.sin(angles)
     sign = np.where(flips, -1.0, 1.0)
-    return np.stack([np.stack([cosine, -sine * sign], -1), np.stack([sine, cosine * sign], -1)], -2)
+    transports = np.empty((*angles.shape, 2, 2))
+    cosine, sine = np.cos(angles, out=transports[..., 0, 0]), np.sin(angles, out=transports[..., 1, 0])
+    transports[..., 0, 1], transports[..., 1, 1] = -sine * sign, cosine * sign
+    return transports
 
 
 def are_flips(transports: np.ndarray) -> np.ndarray:

@@ -76,13 +76,23 @@ class EdgePhases(Generic[Mesh]):
         """The :func:`dislocation_numbers` of the triangles of the mesh."""
         return dislocation_numbers(self, self.mesh.triangles)
 
-    def between(self, tails: np.ndarray, heads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Compute (f, k) changes from tail to head for the phases of the tail, and (f,) the matchings on the way."""
-        edge = self.mesh.edges_between(tails, heads)
-        forward = tails < heads
-        changes, matched = self.changes[edge], self.matchings[edge]
-        changes = np.where(forward[:, None], changes, -after_turns(changes, matched))
-        return changes, np.where(forward, matched, -matched)
+    def between(
+        self, tails: np.ndarray, heads: np.ndarray, edges: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Compute (f, k) changes from tail to head for the phases of the tail, and (f,) the matchings on the way.
+
+        ``edges`` are the (f,) edges between them, where they are known.
+        """
+        edges = self.mesh.edges_between(tails, heads) if edges is None else edges
+        changes, matched = self._both_ways
+        ways = edges + len(self.changes) * (tails > heads)
+        return changes[ways], matched[ways]
+
+    @cached_property
+    def _both_ways(self) -> tuple[np.ndarray, np.ndarray]:
+        """(2 e, k) changes and (2 e,) matchings, of all edges from the lower vertex to the higher and then back."""
+        back = -after_turns(self.changes, self.matchings)
+        return np.concatenate([self.changes, back]), np.concatenate([self.matchings, -self.matchings])
 
     def around(self, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Continue the phases of the first of (f, v) vertices along a walk around all of them.
@@ -92,8 +102,10 @@ class EdgePhases(Generic[Mesh]):
         """
         values = [self.arguments[corners[:, 0]]]
         turns = np.zeros(len(corners), int)
-        for step in range(corners.shape[1]):
-            change, matched = self.between(corners[:, step], corners[:, (step + 1) % corners.shape[1]])
+        known = isinstance(self.mesh, TriangleMesh) and corners is self.mesh.triangles
+        edges = self.mesh.triangle_edges.T if known else [None] * corners.shape[1]
+        for step, edge in enumerate(edges):
+            change, matched = self.between(corners[:, step], corners[:, (step + 1) % corners.shape[1]], edge)
             values.append(values[-1] + after_turns(change, -turns))
             turns = turns + matched
         return np.stack(values, axis=1), turns % (2 * self.phase_count)

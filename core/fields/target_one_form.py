@@ -123,15 +123,14 @@ class TargetOneForm:
     @cached_property
     def connection(self) -> Connection:
         """The connection between the phases as nodes."""
-        count = self.phase_count
-        i, j = (np.repeat(ends, count) for ends in self.mesh.edges.T)
-        phase = np.tile(np.arange(count), len(self.mesh.edges))
-        direction = (phase - np.repeat(self.matchings, count)) % (2 * count)
-        flips = self._flips
-        changes = self.changes.ravel()
+        count, edges = self.phase_count, self.mesh.edges
+        ends, phase = np.empty((len(edges), count, 2), int), np.arange(count)
+        ends[..., 0] = count * edges[:, :1] + phase
+        ends[..., 1] = count * edges[:, 1:] + (phase - self.matchings[:, None]) % count
+        flips, changes = self._flips, self.changes.ravel()
         return Connection(
             count * self.mesh.vertex_count,
-            np.column_stack([count * i + phase, count * j + direction % count]),
+            ends.reshape(-1, 2),
             np.repeat(self.mesh.weights, count),
             circle_transports(np.where(flips, -changes, changes), flips),
         )
@@ -140,7 +139,8 @@ class TargetOneForm:
     def _flips(self) -> np.ndarray:
         """(k e,) whether the connection's edges conjugate."""
         count = self.phase_count
-        return ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
+        # Directions from k to 2 k - 1 are reverse; k is 1 or 2, so that this is one bit of their number.
+        return (((np.arange(count) - self.matchings[:, None]) & count) > 0).ravel()
 
     def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "TargetOneForm":
         """The one-form without a share of the curl of its changes, around triangles that keep their sheet.
