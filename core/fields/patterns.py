@@ -158,7 +158,7 @@ def _pose_pattern(
     solved = one_form.on_solver_edges
     connection = add_self_edges(solved.connection, loops)
     # At a branching of 0 there is no curl left to remove.
-    calmer = partial(solved.curl_removing_turns, fixed, merged) if wishes.branching > 0 else None
+    calmer = partial(one_form.curl_removing_turns, fixed, merged) if wishes.branching > 0 else None
     problem = SynchronizationProblem(connection, solved.masses, merged, fixed, join_targets(soft), calmer)
     return one_form, problem, loops
 
