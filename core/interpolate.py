@@ -223,7 +223,7 @@ def _walked_phases(edge_phases: EdgePhases, polygons: Polygons) -> np.ndarray:
     turns, halves, mesh = np.zeros(len(polygons.starts), int), polygons.rim_half_edges, edge_phases.mesh
     known = np.array_equal(polygons.triangles, mesh.triangles)
     for step in range(1, polygons.sizes.max(initial=0)):
-        going = drawn & (polygons.sizes > step)
+        going = np.flatnonzero(drawn & (polygons.sizes > step))
         corner = polygons.starts[going] + step
         before, after = polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner]
         half = halves[corner - 1]
