@@ -66,7 +66,7 @@ class Connection:
         if self.transports.ndim == 1:
             moved = self.transports * phases[i]
         elif np.iscomplexobj(phases):
-            return self.energy(np.column_stack([phases.real, phases.imag]))
+            return self._circle_energy(phases.real, phases.imag)
         elif phases.ndim == 3:
             moved = self.transports @ phases[i]
         else:
@@ -74,6 +74,14 @@ class Connection:
         difference = phases[j] - moved
         squares = (difference * difference.conj()).real.sum(axis=tuple(range(1, difference.ndim)))
         return float(self.weights @ squares)
+
+    def _circle_energy(self, x: np.ndarray, y: np.ndarray) -> float:
+        """:meth:`energy` of (n,) coordinates under 2 x 2 matrices, several times as fast as by products of matrices."""
+        (i, j), (first, second) = self.edges.T, np.moveaxis(self.transports, 1, 0)
+        tail_x, tail_y = x[i], y[i]
+        off_x = x[j] - (first[:, 0] * tail_x + first[:, 1] * tail_y)
+        off_y = y[j] - (second[:, 0] * tail_x + second[:, 1] * tail_y)
+        return float(self.weights @ (off_x * off_x + off_y * off_y))
 
 
 @dataclass(frozen=True)

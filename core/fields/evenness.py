@@ -88,6 +88,8 @@ def evenness(edge_phases: EdgePhases, rates: np.ndarray) -> Evenness:
 def _mean_rates(edge_phases: EdgePhases, rates: np.ndarray) -> np.ndarray:
     """(f, k) mean of the corners' rates, for the phases of each triangle's first corner."""
     corners = edge_phases.mesh.triangles
+    if edge_phases.phase_count == 1:
+        return rates[corners].sum(axis=1) / 3
     turns = np.zeros(len(corners), int)
     total = rates[corners[:, 0]]
     for step in range(2):
