@@ -222,7 +222,7 @@ class TriangleMesh:
 
     @property
     def half_edge_angles(self) -> np.ndarray:
-        """(m, 3) radians, angles of the half-edges in the planes of their triangles, counterclockwise from the first"""
+        """(m, 3) radians, angles of half-edges in the planes of their triangles, counterclockwise from the first."""
         angles = self.corner_angles
         return np.column_stack([np.zeros(len(angles)), np.pi - angles[:, 1], np.pi + angles[:, 0]])
 
