@@ -66,7 +66,7 @@ class Connection:
         if self.transports.ndim == 1:
             moved = self.transports * phases[i]
         elif np.iscomplexobj(phases):
-            return self.energy(np.column_stack([phases.real, phases.imag]))
+            return self._circle_energy(phases.real, phases.imag)
         elif phases.ndim == 3:
             moved = self.transports @ phases[i]
         else:
@@ -74,6 +74,14 @@ class Connection:
         difference = phases[j] - moved
         squares = (difference * difference.conj()).real.sum(axis=tuple(range(1, difference.ndim)))
         return float(self.weights @ squares)
+
+    def _circle_energy(self, x: np.ndarray, y: np.ndarray) -> float:
+        """:meth:`energy` of (n,) coordinates under 2 x 2 matrices, several times as fast as by products of matrices."""
+        (i, j), (first, second) = self.edges.T, np.moveaxis(self.transports, 1, 0)
+        tail_x, tail_y = x[i], y[i]
+        off_x = x[j] - (first[:, 0] * tail_x + first[:, 1] * tail_y)
+        off_y = y[j] - (second[:, 0] * tail_x + second[:, 1] * tail_y)
+        return float(self.weights @ (off_x * off_x + off_y * off_y))
 
 
 @dataclass(frozen=True)
@@ -138,9 +146,11 @@ def circle_transports(angles: ArrayLike, flips: ArrayLike | None = None) -> np.n
     angles = np.asarray(angles, float)
     if flips is None or not np.any(flips):
         return np.exp(1j * angles)
-    cosine, sine = np.cos(angles), np.sin(angles)
     sign = np.where(flips, -1.0, 1.0)
-    return np.stack([np.stack([cosine, -sine * sign], -1), np.stack([sine, cosine * sign], -1)], -2)
+    transports = np.empty((*angles.shape, 2, 2))
+    cosine, sine = np.cos(angles, out=transports[..., 0, 0]), np.sin(angles, out=transports[..., 1, 0])
+    transports[..., 0, 1], transports[..., 1, 1] = -sine * sign, cosine * sign
+    return transports
 
 
 def are_flips(transports: np.ndarray) -> np.ndarray:

@@ -19,6 +19,7 @@ From face to face only cos(theta) is continuous for stripes, and for quads the p
 so that their product is: sheets may differ by a turn (:mod:`core.matchings`), values by 2 pi.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic
@@ -67,6 +68,10 @@ class EdgePhases(Generic[Mesh]):
         reached = after_turns(arguments[j], -matchings)
         return cls(mesh, arguments, asked + wrap(reached - arguments[i] - asked), matchings)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Without what is quickly made again: for another process."""
+        return {name: value for name, value in self.__dict__.items() if not name.startswith("_")}
+
     @property
     def phase_count(self) -> int:
         return self.arguments.shape[1]
@@ -76,13 +81,23 @@ class EdgePhases(Generic[Mesh]):
         """The :func:`dislocation_numbers` of the triangles of the mesh."""
         return dislocation_numbers(self, self.mesh.triangles)
 
-    def between(self, tails: np.ndarray, heads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Compute (f, k) changes from tail to head for the phases of the tail, and (f,) the matchings on the way."""
-        edge = self.mesh.edges_between(tails, heads)
-        forward = tails < heads
-        changes, matched = self.changes[edge], self.matchings[edge]
-        changes = np.where(forward[:, None], changes, -after_turns(changes, matched))
-        return changes, np.where(forward, matched, -matched)
+    def between(
+        self, tails: np.ndarray, heads: np.ndarray, edges: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Compute (f, k) changes from tail to head for the phases of the tail, and (f,) the matchings on the way.
+
+        ``edges`` are the (f,) edges between them, where they are known.
+        """
+        edges = self.mesh.edges_between(tails, heads) if edges is None else edges
+        changes, matched = self._both_ways
+        ways = edges + len(self.changes) * (tails > heads)
+        return changes[ways], matched[ways]
+
+    @cached_property
+    def _both_ways(self) -> tuple[np.ndarray, np.ndarray]:
+        """(2 e, k) changes and (2 e,) matchings, of all edges from the lower vertex to the higher and then back."""
+        back = -after_turns(self.changes, self.matchings)
+        return np.concatenate([self.changes, back]), np.concatenate([self.matchings, -self.matchings])
 
     def around(self, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Continue the phases of the first of (f, v) vertices along a walk around all of them.
@@ -90,10 +105,23 @@ class EdgePhases(Generic[Mesh]):
         Returns (f, v + 1, k) phases, from the first vertex's arguments to the values on the return there,
         and (f,) the sum of the matchings: 0 where every phase returns as itself.
         """
+        if isinstance(self.mesh, TriangleMesh) and corners is self.mesh.triangles:
+            return self._around_triangles
+        return self._walk(corners, [None] * corners.shape[1])
+
+    @cached_property
+    def _around_triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        assert isinstance(self.mesh, TriangleMesh)
+        values, turns = self._walk(self.mesh.triangles, list(self.mesh.triangle_edges.T))
+        values.flags.writeable = turns.flags.writeable = False
+        return values, turns
+
+    def _walk(self, corners: np.ndarray, edges: Sequence[np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
+        """:meth:`around` (f, v) corners, along edges where they are known."""
         values = [self.arguments[corners[:, 0]]]
         turns = np.zeros(len(corners), int)
-        for step in range(corners.shape[1]):
-            change, matched = self.between(corners[:, step], corners[:, (step + 1) % corners.shape[1]])
+        for step, edge in enumerate(edges):
+            change, matched = self.between(corners[:, step], corners[:, (step + 1) % corners.shape[1]], edge)
             values.append(values[-1] + after_turns(change, -turns))
             turns = turns + matched
         return np.stack(values, axis=1), turns % (2 * self.phase_count)
@@ -192,11 +220,15 @@ def _walked_phases(edge_phases: EdgePhases, polygons: Polygons) -> np.ndarray:
     drawn = polygons.drawn
     at_vertices = ~drawn[polygons.corner_faces]
     phases[at_vertices] = edge_phases.arguments[polygons.corner_vertices[at_vertices]]
-    turns = np.zeros(len(polygons.starts), int)
+    turns, halves, mesh = np.zeros(len(polygons.starts), int), polygons.rim_half_edges, edge_phases.mesh
+    known = np.array_equal(polygons.triangles, mesh.triangles)
     for step in range(1, polygons.sizes.max(initial=0)):
-        going = drawn & (polygons.sizes > step)
+        going = np.flatnonzero(drawn & (polygons.sizes > step))
         corner = polygons.starts[going] + step
-        change, matched = edge_phases.between(polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner])
+        before, after = polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner]
+        half = halves[corner - 1]
+        edges = mesh.triangle_edges.ravel()[half] if known and half.min(initial=0) >= 0 else None
+        change, matched = edge_phases.between(before, after, edges)
         phases[corner] = phases[corner - 1] + after_turns(change, -turns[going])
         turns[going] += matched
     return phases

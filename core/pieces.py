@@ -2,7 +2,10 @@
 """The connected pieces of a problem: each on its own, or many small ones as a stack of dense matrices."""
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
@@ -15,9 +18,11 @@ from .piece import NOISE, PERFECT, Piece
 class Pieces:
     """The connected pieces with at least one row of the factor, each made when first used.
 
+    Without a factor (:meth:`with_factor`) they only know their rows.
+
     Parameters
     ----------
-    factor : (r, N) CSR, of the whole problem
+    labels : (r,) component label of each row of the factor
     scales : (r,) sum of the weights that were combined in each of its rows
     masses, components : (c,) mass and component label of each column of a node
     grounds : (labels,) column of each component's ground, or -1
@@ -27,15 +32,14 @@ class Pieces:
     Attributes
     ----------
     sizes : (k,) nodes of each piece
-    weights : (k,) sum of the diagonal of each piece's matrix, without unused rows
-    scales : (k,) the same before weights cancelled
+    scales : (k,) sum of the diagonal of each piece's matrix, without unused rows, before weights cancelled
     grounds : (k,) column of each piece's ground, or -1
     roots : (k,) column of each piece's ground, or of its first node
     """
 
     def __init__(
         self,
-        factor: csr_matrix,
+        labels: np.ndarray,
         scales: np.ndarray,
         masses: np.ndarray,
         components: np.ndarray,
@@ -45,12 +49,10 @@ class Pieces:
         is_complex: bool,
         fibre: Fibre = Fibre.VECTORS,
     ) -> None:
-        self._factor, self._masses, self._block, self._is_complex = factor, masses, block, is_complex
+        self._masses, self._block, self._is_complex = masses, block, is_complex
         self._fibre = fibre
         self._order = np.lexsort((places, components))
-        filled = np.flatnonzero(np.diff(factor.indptr))
-        labels = components[factor.indices[factor.indptr[filled]] // block]
-        self._rows = filled[np.argsort(labels, kind="stable")]
+        self._rows = np.argsort(labels, kind="stable")
         sizes, row_counts = (np.bincount(of, minlength=len(grounds)) for of in (components, labels))
         kept = np.flatnonzero((sizes > 0) & (row_counts > 0))
         self.sizes, self._starts = sizes[kept], (np.cumsum(sizes) - sizes)[kept]
@@ -59,12 +61,24 @@ class Pieces:
         firsts = np.full(len(grounds), len(components))
         np.minimum.at(firsts, components, np.arange(len(components)))
         self.roots = np.where(self.grounds >= 0, self.grounds, firsts[kept])
-        squares = np.abs(factor.data) ** 2
-        row_sums = np.add.reduceat(np.append(squares, 0.0), factor.indptr[:-1]) * (np.diff(factor.indptr) > 0)
-        self._piece_of_row = np.full(factor.shape[0], -1)
+        self._piece_of_row = np.empty(len(labels), int)
         self._piece_of_row[self._rows] = np.repeat(np.arange(len(kept)), self._row_counts)
-        self.weights, self.scales = self._sums(row_sums), self._sums(scales)
-        self._made: dict[int, Piece] = {}
+        self.scales = self._sums(scales)
+
+    def with_factor(self, factor: csr_matrix) -> Self:
+        """The pieces of an (r, N) CSR factor of the whole problem."""
+        twin = copy(self)
+        twin._factor, twin._made = factor, {}
+        return twin
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """(k,) sum of the diagonal of each piece's matrix, without unused rows."""
+        squares = np.abs(self._factor.data) ** 2
+        return self._sums(np.add.reduceat(np.append(squares, 0.0), self._factor.indptr[:-1]))
+
+    _factor: csr_matrix
+    _made: dict[int, Piece]
 
     def __len__(self) -> int:
         return len(self.sizes)

@@ -148,22 +148,26 @@ class SynchronizationProblem:
 
     def turned_by(self, turns: np.ndarray) -> Self:
         """Turn the first k transports by (k,) radians more; the pieces keep their rows."""
-        twin = self.without_matrices  # keeps all that depends only on the graph and its flips
         transports = self.connection.transports.copy()
         units = circle_transports(turns)
         units = units if transports.ndim == 1 else as_matrices(units)
         transports[: len(turns)] = compose(units, transports[: len(turns)])
+        return self.with_transports(transports)
+
+    def with_transports(self, transports: np.ndarray) -> Self:
+        """The problem with transports that differ from its own in their angles."""
+        twin = self.without_matrices  # keeps all that depends only on the graph and its flips
         twin.connection = replace(self.connection, transports=transports)
         return twin
 
-    def adopt(self, other: "SynchronizationProblem") -> None:
-        """Take what another problem knows, if only the angles of the transports between the nodes are different."""
+    def adopt(self, other: "SynchronizationProblem") -> bool:
+        """Take what another problem knows if only angles of transports between nodes differ; tell whether so."""
         if (self.fibre, self.connection.node_count, self.connection.transports.shape) != (
             other.fibre,
             other.connection.node_count,
             other.connection.transports.shape,
         ):
-            return
+            return False
         parts = [
             (
                 problem.connection.edges,
@@ -172,21 +176,28 @@ class SynchronizationProblem:
                 problem.mass,
                 *(problem.merged.nodes, problem.merged.roots, problem.merged.transports),
                 *(problem.fixed.nodes, problem.fixed.values),
-                *(problem.drawn.nodes, problem.drawn.weights),
+                *(problem.drawn.nodes, problem.drawn.values, problem.drawn.weights),
             )
             for problem in (self, other)
         ]
-        if all(np.array_equal(own, known) for own, known in zip(*parts, strict=True)):
-            names = ("_components", "_gauge", "_embedding", "_scales", "_places")
-            self.__dict__ |= {name: other.__dict__[name] for name in names if name in other.__dict__}
+        if not all(np.array_equal(own, known) for own, known in zip(*parts, strict=True)):
+            return False
+        names = ("_components", "_gauge", "_embedding", "_places", "layout")
+        self.__dict__ |= {name: other.__dict__[name] for name in names if name in other.__dict__}
+        return True
 
     @property
     def without_matrices(self) -> Self:
         """A copy that has to make its matrices again, to be kept for :meth:`adopt`."""
         twin = copy(self)
-        twin.__dict__.pop("factor", None)
-        twin.__dict__.pop("pieces", None)
+        kept = {name: value for name, value in self.__dict__.items() if name not in ("factor", "pieces")}
+        twin.__dict__ |= kept
         return twin
+
+    def __getstate__(self) -> dict[str, object]:
+        """What the problem was made of: in another process, the rest is made again where it is needed."""
+        names = ("fibre", "connection", "mass", "merged", "fixed", "drawn", "calmer")
+        return {name: self.__dict__[name] for name in names}
 
     # Gauge: turn nodes over where this removes all flips of a component.
 
@@ -297,14 +308,15 @@ class SynchronizationProblem:
     @cached_property
     def pieces(self) -> Pieces:
         """The connected pieces with at least one edge each; other nodes keep the phase 1."""
-        embedding = self._embedding
-        shape = (embedding.masses, embedding.components, embedding.grounds)
-        return Pieces(self.factor, self._scales, *shape, self._places, self.block, self.is_complex, self.fibre)
+        return self.layout.with_factor(self.factor)
 
     @cached_property
-    def _scales(self) -> np.ndarray:
-        """The :attr:`ColumnLinks.scales`, which do not depend on how far transports turn."""
-        return self.links.scales
+    def layout(self) -> Pieces:
+        """The :attr:`pieces` without their matrices, which do not depend on how far transports turn."""
+        embedding, links = self._embedding, self.links
+        labels = np.repeat(embedding.components[links.tails], self.block)
+        shape = (embedding.masses, embedding.components, embedding.grounds)
+        return Pieces(labels, links.scales, *shape, self._places, self.block, self.is_complex, self.fibre)
 
     @cached_property
     def _places(self) -> np.ndarray:
@@ -364,7 +376,7 @@ class SynchronizationProblem:
 
     def unit_coordinates(self) -> np.ndarray:
         """Build (N,) or (N, d) coordinates with the phase 1 at every node."""
-        count = self.factor.shape[1] // self.block
+        count = len(self._embedding.masses)
         if self.width > 1:
             return np.tile(np.eye(self.block), (count, 1))
         return np.ones(count, complex) if self.is_complex else np.tile(np.eye(self.block)[0], count)

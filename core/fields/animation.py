@@ -85,7 +85,7 @@ def _add_soft_targets(
 def _align_pieces(problem: SynchronizationProblem, solution: Solution, phases: np.ndarray) -> Solution:
     """The solution with each free piece turned as a whole to be nearest to phases."""
     turned, wanted = problem.coordinates(solution.phases), problem.coordinates(phases)
-    pieces = problem.pieces
+    pieces = problem.layout
     for number in np.flatnonzero(pieces.grounds < 0):
         own = np.array([number])
         rows = pieces.rows(own)

@@ -6,7 +6,7 @@ phase exp(i n a) for a direction at angle a in the vertex's tangent plane.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
@@ -153,7 +153,7 @@ class DirectionField:
         """Defects with index k / symmetry."""
         return list_defects(self.mesh, "disclination", self._numbers, self.symmetry)
 
-    @property
+    @cached_property
     def _numbers(self) -> np.ndarray:
         """(m,) turns of the field around each triangle, times the symmetry."""
         powers = np.exp(1j * self.symmetry * self.angles)
@@ -194,8 +194,7 @@ def _pose_directions(
     if symmetry not in SYMMETRY_ORDERS.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
-    # Corrections are given along the mesh's own edges.
-    solver_mesh = mesh if wishes.corrects else mesh.solver_mesh
+    solver_mesh = _solver_mesh(mesh, wishes)
     turns = levi_civita(solver_mesh, symmetry)
     connection = Connection(mesh.vertex_count, solver_mesh.edges, solver_mesh.weights, circle_transports(turns))
     fixed, soft, gives_way = direction_targets(mesh, symmetry, wishes.rows)
@@ -214,20 +213,26 @@ def _pose_directions(
         known = known_turns(connection, fixed, merged)
         correction = _correction(mesh, symmetry, wishes, known)
         connection = replace(connection, transports=circle_transports(turns + correction))
-    turns_of = partial(_curl_removing_turns, solver_mesh, symmetry, connection, fixed, merged, wishes.singularities)
+    turns_of = partial(_curl_removing_turns, mesh, wishes, symmetry, connection, fixed, merged)
     calmer = turns_of if wishes.singularities > 0 else None
     connection = add_self_edges(connection, loops)
     problem = SynchronizationProblem(connection, solver_mesh.vertex_masses, merged, fixed, join_targets(soft), calmer)
     return problem, known, correction
 
 
+def _solver_mesh(mesh: TriangleMesh, wishes: DirectionWishes) -> TriangleMesh:
+    """The mesh of the problem; corrections are given along the mesh's own edges."""
+    return mesh if wishes.corrects else mesh.solver_mesh
+
+
 def _curl_removing_turns(
-    mesh: TriangleMesh, symmetry: int, connection: Connection, fixed: Targets, merged: Merged, share: float
+    mesh: TriangleMesh, wishes: DirectionWishes, symmetry: int, connection: Connection, fixed: Targets, merged: Merged
 ) -> np.ndarray:
     """(e,) radians, approximate turns that remove the curvature, of which the connection has a share."""
+    mesh = _solver_mesh(mesh, wishes)
     known = known_turns(connection, fixed, merged)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
-    holonomy = share * symmetry * mesh.face_curvatures
+    holonomy = wishes.singularities * symmetry * mesh.face_curvatures
     return remove_holonomy(circulation, holonomy, mesh.weights, known, rough=True).correction
 
 

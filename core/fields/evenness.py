@@ -6,6 +6,7 @@ the target is 2 pi / r for rates r at the corners.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..interpolate import EdgePhases
 from ..matchings import after_turns
-from .guidance.face_directions import face_gradients, half_edges
+from .guidance.face_directions import face_gradients
 
 # Quantiles in the report, as shares of the area.
 SHARES = 0.01, 0.05, 0.5, 0.95, 0.99
@@ -38,14 +39,14 @@ class Evenness:
     spacings: np.ndarray
     angles: np.ndarray | None
 
-    @property
+    @cached_property
     def errors(self) -> np.ndarray:
         """(f,) spacing over the target less 1, of the phase that is further off; 0 where that is not known."""
         logarithms = np.nan_to_num(np.log(self.spacings))
         furthest = np.abs(logarithms).argmax(axis=1)
         return np.expm1(np.take_along_axis(logarithms, furthest[:, None], axis=1)[:, 0])
 
-    @property
+    @cached_property
     def figures(self) -> dict[str, Any] | None:
         """For the report: quantiles of the spacing over the target at :data:`SHARES` of the area, the share of the area
         that is off, and for two phases quantiles of the corners of quads, in degrees; None where all triangles have
@@ -72,8 +73,9 @@ def evenness(edge_phases: EdgePhases, rates: np.ndarray) -> Evenness:
     mesh = edge_phases.mesh
     values, turns = edge_phases.around(mesh.triangles)
     closed = (turns == 0) & (np.abs(values[:, 3] - values[:, 0]) < np.pi).all(axis=1) & (mesh.areas > 0)
-    edges = half_edges(mesh.edge_lengths[mesh.triangle_edges], mesh.corner_angles)
-    slopes = np.stack([face_gradients(edges, values[:, :3, phase]) for phase in range(values.shape[2])], axis=1)
+    slopes = np.stack(
+        [face_gradients(mesh.plane_half_edges, values[:, :3, phase]) for phase in range(values.shape[2])], axis=1
+    )
     slopes /= np.where(closed, mesh.areas, np.inf)[:, None]
     asked = _mean_rates(edge_phases, rates)
     spacings = np.where(closed[:, None], asked / np.maximum(np.abs(slopes), asked / WIDEST), np.nan)
@@ -86,10 +88,13 @@ def evenness(edge_phases: EdgePhases, rates: np.ndarray) -> Evenness:
 def _mean_rates(edge_phases: EdgePhases, rates: np.ndarray) -> np.ndarray:
     """(f, k) mean of the corners' rates, for the phases of each triangle's first corner."""
     corners = edge_phases.mesh.triangles
+    if edge_phases.phase_count == 1:
+        return rates[corners].sum(axis=1) / 3
     turns = np.zeros(len(corners), int)
     total = rates[corners[:, 0]]
     for step in range(2):
-        turns = turns + edge_phases.between(corners[:, step], corners[:, step + 1])[1]
+        edges = edge_phases.mesh.triangle_edges[:, step]
+        turns = turns + edge_phases.between(corners[:, step], corners[:, step + 1], edges)[1]
         total = total + np.abs(after_turns(rates[corners[:, step + 1]], -turns))
     return total / 3
 

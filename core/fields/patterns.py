@@ -47,12 +47,14 @@ class PatternWishes:
     mirrors : symmetries of the pattern
     branching : share of the target one-form's curl that is kept, from 0 to 1: the less, the fewer the dislocations,
         and the more the spacing varies (see :mod:`.curl_removal`)
+    one_form : of directions and spacing, before anything else is applied, where it has been made already
     """
 
     spacing: ArrayLike
     rows: Sequence[Row] = ()
     mirrors: Sequence[Reflection] = ()
     branching: float = 1.0
+    one_form: TargetOneForm | None = None
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,7 @@ def _pose_pattern(
     solved = one_form.on_solver_edges
     connection = add_self_edges(solved.connection, loops)
     # At a branching of 0 there is no curl left to remove.
-    calmer = partial(solved.curl_removing_turns, fixed, merged) if wishes.branching > 0 else None
+    calmer = partial(one_form.curl_removing_turns, fixed, merged) if wishes.branching > 0 else None
     problem = SynchronizationProblem(connection, solved.masses, merged, fixed, join_targets(soft), calmer)
     return one_form, problem, loops
 
@@ -282,5 +284,6 @@ def known_pattern(mesh: TriangleMesh, field: DirectionField, wishes: PatternWish
 
 def _target_one_form(mesh: TriangleMesh, field: DirectionField, wishes: PatternWishes) -> TargetOneForm:
     """The target one-form before curl is removed."""
-    one_form = TargetOneForm.of(mesh, field, wishes.spacing)
-    return replace(one_form, stretch=strip_stretch(one_form, wishes.rows))
+    one_form = TargetOneForm.of(mesh, field, wishes.spacing) if wishes.one_form is None else wishes.one_form
+    stretch = strip_stretch(one_form, wishes.rows)
+    return one_form if np.ndim(stretch) == 0 else replace(one_form, stretch=stretch)

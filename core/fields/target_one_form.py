@@ -4,7 +4,7 @@
 Stripes have one phase at a vertex and quads two.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -72,12 +72,21 @@ class TargetOneForm:
         rates, solver_matchings = 2 * np.pi / spacing, field.solver_matchings
         return cls(mesh, angles, rates, matched, field.symmetry == 1, scale=scale, solver_matchings=solver_matchings)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Without what can be made again: for another process, which has the mesh."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
     @property
     def on_solver_edges(self) -> "TargetOneForm":
         """The one-form along the edges of its problem: those of :attr:`TriangleMesh.solver_mesh`, or the mesh's own if
         these have a correction or a stretch."""
         if self.solver_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
             return self
+        return self._on_other_edges
+
+    @cached_property
+    def _on_other_edges(self) -> "TargetOneForm":
+        assert self.solver_matchings is not None
         return replace(self, mesh=self.mesh.solver_mesh, matchings=self.solver_matchings, solver_matchings=None)
 
     @property
@@ -123,15 +132,14 @@ class TargetOneForm:
     @cached_property
     def connection(self) -> Connection:
         """The connection between the phases as nodes."""
-        count = self.phase_count
-        i, j = (np.repeat(ends, count) for ends in self.mesh.edges.T)
-        phase = np.tile(np.arange(count), len(self.mesh.edges))
-        direction = (phase - np.repeat(self.matchings, count)) % (2 * count)
-        flips = self._flips
-        changes = self.changes.ravel()
+        count, edges = self.phase_count, self.mesh.edges
+        ends, phase = np.empty((len(edges), count, 2), int), np.arange(count)
+        ends[..., 0] = count * edges[:, :1] + phase
+        ends[..., 1] = count * edges[:, 1:] + (phase - self.matchings[:, None]) % count
+        flips, changes = self._flips, self.changes.ravel()
         return Connection(
             count * self.mesh.vertex_count,
-            np.column_stack([count * i + phase, count * j + direction % count]),
+            ends.reshape(-1, 2),
             np.repeat(self.mesh.weights, count),
             circle_transports(np.where(flips, -changes, changes), flips),
         )
@@ -140,7 +148,8 @@ class TargetOneForm:
     def _flips(self) -> np.ndarray:
         """(k e,) whether the connection's edges conjugate."""
         count = self.phase_count
-        return ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
+        # Directions from k to 2 k - 1 are reverse; k is 1 or 2, so that this is one bit of their number.
+        return (((np.arange(count) - self.matchings[:, None]) & count) > 0).ravel()
 
     def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "TargetOneForm":
         """The one-form without a share of the curl of its changes, around triangles that keep their sheet.
@@ -152,8 +161,9 @@ class TargetOneForm:
         return replace(self, correction=share * self.curl_removal(fixed, merged))
 
     def curl_removing_turns(self, fixed: Targets, merged: Merged) -> np.ndarray:
-        """(k e,) radians, approximate turns of the connection's edges that remove the curl, for candidates."""
-        return self.connection_turns(self.curl_removal(fixed, merged, rough=True))
+        """(k e,) radians, approximate turns of the problem's edges that remove the curl, for candidates."""
+        solved = self.on_solver_edges
+        return solved.connection_turns(solved.curl_removal(fixed, merged, rough=True))
 
     def connection_turns(self, changes: np.ndarray) -> np.ndarray:
         """(k e,) radians by which additional (e, k) changes turn the connection's edges."""

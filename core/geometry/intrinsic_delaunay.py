@@ -104,12 +104,12 @@ class IntrinsicMesh:
         ends = np.stack([self.triangles, np.roll(self.triangles, -1, axis=1)], axis=-1)
         return ends.reshape(-1, 2)[self._first_halves]
 
-    @property
+    @cached_property
     def edge_lengths(self) -> np.ndarray:
         """(e,) length of each edge."""
         return self.sides.ravel()[self._first_halves]
 
-    @property
+    @cached_property
     def edge_directions(self) -> np.ndarray:
         """(e, 2) angles of the edge in the tangent plane of its first vertex, and of the reversed edge at the other."""
         reverse = np.roll(self.directions + self.scaled_angles, -1, axis=1)

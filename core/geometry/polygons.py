@@ -64,6 +64,19 @@ class Polygons:
         """(p,) bool: faces that have triangles."""
         return np.bincount(self.triangle_faces, minlength=len(self.starts)) > 0
 
+    @cached_property
+    def rim_half_edges(self) -> np.ndarray:
+        """(c,) half-edge of a triangle along the edge from each corner to the next one of its face, 3 t + k as in
+        :class:`TriangleMesh`, or -1; repaired triangles may run the other way round."""
+        following = np.arange(1, len(self.corner_vertices) + 1)
+        following[self.starts + self.sizes - 1] = self.starts
+        tails, heads = self.triangle_corners.ravel(), np.roll(self.triangle_corners, -1, axis=1).ravel()
+        found = np.full(len(following), -1)
+        for first, second in ((tails, heads), (heads, tails)):
+            halves = np.flatnonzero(following[first] == second)
+            found[first[halves]] = halves
+        return found
+
     def at_corners(self, values: np.ndarray) -> np.ndarray:
         """Take (c, ...) values at corners, those of duplicate faces from their originals."""
         return values if self.alike is None else values[self.alike]

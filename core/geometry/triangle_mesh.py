@@ -220,6 +220,17 @@ class TriangleMesh:
         dots, double_areas = self._corner_products
         return np.arctan2(double_areas, dots)
 
+    @property
+    def half_edge_angles(self) -> np.ndarray:
+        """(m, 3) radians, angles of half-edges in the planes of their triangles, counterclockwise from the first."""
+        angles = self.corner_angles
+        return np.column_stack([np.zeros(len(angles)), np.pi - angles[:, 1], np.pi + angles[:, 0]])
+
+    @cached_property
+    def plane_half_edges(self) -> np.ndarray:
+        """(m, 3) complex, the half-edges as vectors in the planes of their triangles."""
+        return self.edge_lengths[self.triangle_edges] * np.exp(1j * self.half_edge_angles)
+
     @cached_property
     def areas(self) -> np.ndarray:
         """(m,) area of each triangle."""
@@ -328,8 +339,8 @@ class TriangleMesh:
 
     @cached_property
     def edge_directions(self) -> np.ndarray:
-        """(e, 2) angle of the edge in the tangent plane of its lower vertex, and of the reversed
-        edge in that of its higher vertex; counterclockwise from each vertex's reference edge."""
+        """(e, 2) angle of the edge in the tangent plane of its lower vertex, and of the reversed edge in that of its
+        higher vertex; counterclockwise from each vertex's reference edge."""
         at_tail = self.half_edge_directions
         following = next_half_edges(np.arange(len(at_tail)))
         at_head = at_tail[following] + self.scaled_angles.ravel()[following]
@@ -371,8 +382,7 @@ class TriangleMesh:
 
     @cached_property
     def face_curvatures(self) -> np.ndarray:
-        """(m,) curvature that the rescaled tangent planes assign to each triangle; sums to 2 pi chi
-        on a closed mesh."""
+        """(m,) curvature that the rescaled tangent planes give each triangle; on a closed mesh it sums to 2 pi chi."""
         return self.scaled_angles.sum(axis=1) - np.pi
 
     def _sum_at_vertices(self, corner_values: np.ndarray) -> np.ndarray:
@@ -381,10 +391,8 @@ class TriangleMesh:
 
 
 def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:
-    """Triangulate the surface of a manifold mesh without edges whose opposite angles sum to more than pi.
-
-    Returns the mesh itself if it has none, nor flat triangles at its boundary.
-    """
+    """Triangulate the surface of a manifold mesh without edges whose opposite angles sum to more than pi: the mesh
+    itself if it has none, nor flat triangles at its boundary."""
     sides, directions = mesh.edge_lengths[mesh.triangle_edges], mesh.half_edge_directions.reshape(-1, 3)
     own = IntrinsicMesh(mesh.triangles, sides, directions, mesh.corner_angles, mesh.twins, mesh.angle_scales)
     flipped = flip_edges(own)

@@ -3,9 +3,11 @@
 
 The metric of descent, that of turns, depends on the weights of the edges but not on their angles. A new spacing changes
 only these, so the metric is made once, and a change costs some steps in single precision. They need not converge,
-since the next change goes on from there.
+since the next change goes on from there. The matrix is a constant and a linear function of the cosines and sines of the
+angles, and is computed as such.
 """
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,6 +21,7 @@ from ..monitor import Callback, Monitor
 from ..piece import Piece
 from ..problem import SynchronizationProblem
 from ..solution import DESCENT, Clock, Options, Solution
+from .angle_matrix import AngleMatrix
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.descent import descend
@@ -31,20 +34,21 @@ MOST_PIECES = 32
 
 
 class Follower:
-    """Keeps the metrics of a problem's pieces for the problems that follow it. Pickled, it is empty."""
+    """Keeps metrics and matrices of a problem's pieces for the problems that follow it. Pickled, it is empty."""
 
     def __init__(self) -> None:
         self._metrics: dict[int, tuple[tuple[int, int], Metric]] = {}
+        self._matrices: dict[int, tuple[Piece, AngleMatrix]] = {}
         self._before: SynchronizationProblem | None = None
+        self._repeats = False
 
     def __reduce__(self) -> tuple[type["Follower"], tuple[()]]:
         return Follower, ()
 
     def take_on(self, problem: SynchronizationProblem) -> bool:
         """Prepare a problem by what the one before it knows; False if it is not on the circle or has many pieces."""
-        if self._before is not None:
-            problem.adopt(self._before)
-        is_followed = problem.is_circle and len(problem.pieces) <= MOST_PIECES
+        self._repeats = self._before is not None and problem.adopt(self._before)
+        is_followed = problem.is_circle and len(problem.layout) <= MOST_PIECES
         self._before = problem.without_matrices
         return is_followed
 
@@ -57,7 +61,8 @@ class Follower:
         options = Options(method=DESCENT)
         with solving():
             with clock("build"):
-                pieces, begin = problem.pieces, Start.of(problem, phases)
+                begin = Start.of(problem, phases)
+                pieces = [self._scaled(number, problem) for number in range(len(problem.layout))]
             with clock("round"):
                 monitor.at("descent", 0.0)
                 results = [
@@ -65,23 +70,37 @@ class Follower:
                 ]
         return combine(problem, results, options, clock.seconds)
 
+    def _scaled(self, number: int, problem: SynchronizationProblem) -> Piece:
+        """A piece, scaled; from the third problem on that differs in angles only, its factor is of an earlier one."""
+        if not self._repeats:
+            self._matrices.pop(number, None)
+        if number in self._matrices:
+            piece, matrix = self._matrices[number]
+            return replace(piece, matrix=matrix.at(problem.connection.transports))
+        piece = problem.pieces[number]
+        if piece.total_weight > 0:
+            piece, weight = piece.scaled()
+            if self._repeats:
+                self._matrices[number] = piece, AngleMatrix(problem, piece, weight)
+        return piece
+
     def _descend(self, number: int, piece: Piece, start: Start, monitor: Monitor) -> PartResult:
         assert start.column is not None
         spheres = fields_of(piece)
         column = spheres.normalize(start.column)
-        if piece.total_weight > 0:
-            scaled, _ = piece.scaled()
-            matrix = scaled.matrix.astype(np.complex64 if piece.is_complex else np.float32)
-            metric = self._metric(number, scaled, matrix, column, monitor)
+        if number in self._matrices or piece.total_weight > 0:
+            matrix = piece.matrix.astype(np.complex64 if piece.is_complex else np.float32, copy=False)
+            metric = self._metric(number, piece, matrix, column, monitor)
             point = column.astype(matrix.dtype)
             point = descend(SharedRows(matrix), spheres, point, metric, TOLERANCE, STEPS, monitor).point
-            column = spheres.normalize(point.astype(piece.matrix.dtype))
+            column = spheres.normalize(point.astype(column.dtype))
         return PartResult(piece.rows, piece.node_count, rounding.ground_to_one(piece, column))
 
     def _metric(self, number: int, piece: Piece, matrix: csr_matrix, column: np.ndarray, monitor: Monitor) -> Metric:
         """The metric of a piece, kept as long as the size of its matrix does not change."""
         key = matrix.shape[0], matrix.nnz
-        if number not in self._metrics or self._metrics[number][0] != key:
+        known = self._metrics.get(number)
+        if known is None or (known[0] != key and not self._repeats):
             density = float(piece.energy(column)[0]) / piece.total_mass
             make = partial(_turning_metric, piece, matrix, rounding.CANDIDATE_SHIFT * density)
             self._metrics[number] = key, monitor.during(make)

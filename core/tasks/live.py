@@ -53,8 +53,9 @@ class LiveRequest:
 
     def solve(self, progress: Callback | None = None) -> PatternResult:
         """The updated pattern; errors as :meth:`SurfaceRequest.solve`."""
-        if self.settles:
-            return self._settled(progress)
+        return (self._settled(progress) if self.settles else self._next(progress)).with_figures()
+
+    def _next(self, progress: Callback | None) -> PatternResult:
         of_field, of_pattern = self.followers
         if self.turns_only:
             directions = self.field.turned(self.asked.turn - self.field.turn)

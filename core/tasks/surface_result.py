@@ -3,6 +3,7 @@
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Self
 
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField, Pattern
@@ -37,3 +38,8 @@ class PatternResult(SurfaceResult):
     """A result with a pattern."""
 
     pattern: Pattern
+
+    def with_figures(self) -> Self:
+        """The result, with what is shown of it computed already: in the solving process, not in the window's."""
+        _ = self.pattern.edge_phases.dislocations, self.pattern.evenness.figures, self.pattern.evenness.errors
+        return self

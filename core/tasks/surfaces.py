@@ -241,9 +241,10 @@ class SurfaceRequest:
         show: Callable[["SurfaceResult"], object] | None = None,
     ) -> "PatternResult":
         """The result with the pattern along a field; ``show`` as of :meth:`solve_showing`."""
-        result, start = self._pattern_result(directions, progress), None if self.start is None else self.start[1]
+        result, wishes = self._pose(directions, progress)
+        start = None if self.start is None else self.start[1]
         shows = None if show is None else lambda pattern: show(result(pattern))
-        mesh, wishes = self.given.mesh, self._pattern_wishes
+        mesh = self.given.mesh
         with self._renumber_errors():
             return result(solve_pattern(mesh, directions, wishes, self.options, progress, start, shows))
 
@@ -256,14 +257,14 @@ class SurfaceRequest:
         follower: Follower | None = None,
     ) -> "PatternResult":
         """The result with the pattern along a field, from the (k n,) phases before (see :func:`next_pattern`)."""
-        result, mesh, wishes = self._pattern_result(directions, progress), self.given.mesh, self._pattern_wishes
+        (result, wishes), mesh = self._pose(directions, progress), self.given.mesh
         with self._renumber_errors():
             return result(next_pattern(mesh, directions, wishes, before, self.options, progress, hold, follower))
 
-    def _pattern_result(
+    def _pose(
         self, directions: DirectionField, progress: Callback | None
-    ) -> Callable[[Pattern], "PatternResult"]:
-        """A function that makes the result of a pattern.
+    ) -> tuple[Callable[[Pattern], "PatternResult"], PatternWishes]:
+        """A function that makes the result of a pattern along a field, and what is asked of the pattern.
 
         The progress line shows the number of dislocations, and faults are found, before the solve.
         """
@@ -271,7 +272,8 @@ class SurfaceRequest:
         forced = one_form.forced_dislocations
         Monitor(progress).at(f"pattern, {forced:.0f} dislocations asked for", 0.0)
         warnings = self.accept_faults(self._coarse_faults(one_form.coarse_share))
-        return lambda pattern: PatternResult(directions, pattern, None, forced, warnings)
+        wishes = replace(self._pattern_wishes, one_form=one_form)
+        return lambda pattern: PatternResult(directions, pattern, None, forced, warnings), wishes
 
     def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, KnownPattern]:
         """Directions and pattern of an earlier solution's (n, 3) directions and (k n,) complex phases."""

@@ -4,6 +4,7 @@
 import math
 from collections.abc import Iterable
 from fractions import Fraction
+from functools import cache
 from typing import NamedTuple
 
 import bpy
@@ -169,7 +170,9 @@ def _place(empty, defect, size, corners):
 
 def _plain(value):
     """A value that can be compared: arrays of properties only say whether they are the same array."""
-    return tuple(map(_plain, value)) if hasattr(value, "__len__") and not isinstance(value, str) else value
+    if isinstance(value, Matrix):
+        return tuple(map(tuple, value))
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 
 def _label_of(empty):
@@ -180,6 +183,7 @@ def _label(kind, phase, index):
     return f"{kind} {phase}{' ' if phase else ''}{_fraction(index)}"
 
 
+@cache
 def _fraction(index):
     """+1/2, -1, +3/4 ..."""
     value = Fraction(float(index)).limit_denominator(12)

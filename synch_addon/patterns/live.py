@@ -83,7 +83,8 @@ class LiveJob:
             result, report = self.request.mixed(result, share), report.for_another_result()
         field = result.field
         if field.solution is None and self._asked.source.directions is None:  # the shown one, which was only turned
-            field = replace(shown.field, angles=field.angles, turn=field.turn)
+            is_turned = not np.array_equal(field.angles, shown.field.angles)
+            field = replace(shown.field, angles=field.angles, turn=field.turn) if is_turned else shown.field
         report.take(result)
         with whole_or_nothing():
             if not own_surface.is_unchanged(obj, self._asked.given):

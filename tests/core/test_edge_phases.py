@@ -206,3 +206,14 @@ def test_the_sum_of_numbers_does_not_depend_on_who_counts():
     assert len(pattern.dislocations) == np.count_nonzero(numbers)
     for defect in pattern.dislocations:
         assert numbers[defect.triangle, defect.phase] == defect.index
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_walks_around_the_triangles_of_the_mesh_are_those_around_their_corners(seed):
+    mesh = torus(9)
+    edge_phases = random_edge_phases(mesh, direction_field(mesh, 4), 0.4, seed)
+    for found, expected in zip(
+        edge_phases.around(mesh.triangles), edge_phases.around(mesh.triangles.copy()), strict=True
+    ):
+        np.testing.assert_array_equal(found, expected)
+        assert not found.flags.writeable and expected.flags.writeable

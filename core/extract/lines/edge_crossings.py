@@ -193,7 +193,7 @@ def _in_first_corners_phases(
     """
     mesh, phases = prepared.mesh, prepared.phases
     radians = in_radians(phases)
-    values, _ = radians.around(mesh.triangles)
+    values = radians.around(mesh.triangles)[0].copy()
     in_fan = prepared.fans >= 0
     # The walk around a third of a triangle does not close at its centre: the first corner keeps its own values.
     values[in_fan, 3] = values[in_fan, 0]

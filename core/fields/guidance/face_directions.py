@@ -19,18 +19,10 @@ def face_frames(mesh: TriangleMesh) -> tuple[np.ndarray, np.ndarray]:
     return x, np.cross(mesh.face_normals, x)
 
 
-def half_edges(lengths: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """(m, 3) complex, the half-edges of faces as vectors in their planes, scene units.
-
-    ``lengths`` are (m, 3) from corner k to corner k + 1, ``angles`` (m, 3) at the corners in radians.
-    """
-    return lengths * np.exp(1j * _half_edge_angles(angles))
-
-
 def face_gradients(edges: np.ndarray, corner_values: np.ndarray) -> np.ndarray:
     """(m,) complex, area times the gradient of the linear functions with (m, 3) corner values.
 
-    The product stays finite in a triangle without area. ``edges`` are :func:`half_edges`.
+    The product stays finite in a triangle without area. ``edges`` are :attr:`TriangleMesh.plane_half_edges`.
     """
     second, third = (corner_values[:, 1:] - corner_values[:, :1]).T
     return 0.5j * (second * edges[:, 2] + third * edges[:, 0])
@@ -48,12 +40,8 @@ def average_in_faces(mesh: TriangleMesh, vertex_values: np.ndarray, symmetry: in
     return (np.exp(-1j * symmetry * corner_turns(mesh)) * vertex_values[mesh.triangles]).mean(axis=1)
 
 
-def _half_edge_angles(angles: np.ndarray) -> np.ndarray:
-    return np.column_stack([np.zeros(len(angles)), np.pi - angles[:, 1], np.pi + angles[:, 0]])
-
-
 def corner_turns(mesh: TriangleMesh) -> np.ndarray:
     """(m, 3) difference of a direction's angle in the tangent plane of each corner's vertex and in the face."""
     ends = mesh.edge_directions[mesh.triangle_edges]
     at_vertex = np.where(mesh.triangle_edge_signs > 0, ends[..., 0], ends[..., 1])
-    return at_vertex - _half_edge_angles(mesh.corner_angles) + 0.5 * (mesh.scaled_angles - mesh.corner_angles)
+    return at_vertex - mesh.half_edge_angles + 0.5 * (mesh.scaled_angles - mesh.corner_angles)

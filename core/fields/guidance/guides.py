@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ...errors import SettingError, name_elements
 from ...geometry.triangle_mesh import TriangleMesh
 from .curvature import principal_directions
-from .face_directions import face_gradients, half_edges, sum_at_vertices
+from .face_directions import face_gradients, sum_at_vertices
 from .fronts import front_distance
 
 # Where a gradient is weaker than this share of its mean over the surface, its direction has less weight.
@@ -186,8 +186,7 @@ def blend_guides(guides: Sequence[Guide], shares: ArrayLike, symmetry: int) -> t
 def _slope_guide(mesh: TriangleMesh, corner_values: np.ndarray, contour: bool) -> Guide:
     spans = np.ptp(corner_values, axis=1)
     flat = spans <= ROUNDING * np.abs(corner_values).max(initial=0)
-    edges = half_edges(mesh.edge_lengths[mesh.triangle_edges], mesh.corner_angles)
-    slopes = np.where(flat, 0, face_gradients(edges, corner_values))
+    slopes = np.where(flat, 0, face_gradients(mesh.plane_half_edges, corner_values))
     return face_guide(mesh, 1j * slopes if contour else slopes, 1)
 
 

@@ -57,10 +57,8 @@ class Start:
         as_phases = partial(np.asarray, dtype=complex if problem.is_circle else float)
         if not isinstance(start, Solution):
             return cls(_as_columns(problem.coordinates(as_phases(start))))
-        lifted = start.lifted
-        if lifted is not None and lifted.shape[0] != problem.factor.shape[1]:
-            lifted = None
-        return cls(_as_columns(problem.coordinates(as_phases(start.phases))), lifted)
+        column, lifted = _as_columns(problem.coordinates(as_phases(start.phases))), start.lifted
+        return cls(column, None if lifted is None or len(lifted) != len(column) else lifted)
 
     def on(self, piece: Piece) -> "Start":
         """The part of one piece."""
@@ -105,7 +103,7 @@ def combine(
         energy=problem.energy(variations[0]),
         lower_bound=min(bound, sdp_value) if is_sdp else bound,
         sdp_value=sdp_value if is_sdp else None,
-        noise=float(problem.pieces.noise.sum()),
+        noise=float(problem.layout.noise.sum()),
         certificate=min((r.certificate for r in results), key=attrgetter("strength"), default=Certificate.PROVED),
         status=max(
             (r.status for r in results),

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces that look like others still do when those were split."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -79,3 +81,23 @@ def test_a_surface_that_is_one_keeps_its_faces():
     _, polygons = polygon_mesh(POINTS, SURFACE)
     after = polygons.after_split(*split(polygons, 0))
     assert after.alike is None and isinstance(after, Polygons) and after.drawn.all()
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_rims_run_along_half_edges_of_triangles_whichever_way_these_run(reverse):
+    _, polygons = polygon_mesh(POINTS, SURFACE)
+    if reverse:
+        polygons = replace(polygons, triangle_corners=polygons.triangle_corners[:, ::-1].copy())
+    tails, heads = polygons.triangles.ravel(), np.roll(polygons.triangles, -1, axis=1).ravel()
+    for start, size in zip(polygons.starts, polygons.sizes, strict=True):
+        for corner in range(size):
+            half = polygons.rim_half_edges[start + corner]
+            ends = polygons.corner_vertices[[start + corner, start + (corner + 1) % size]]
+            assert {tails[half], heads[half]} == set(ends.tolist())
+
+
+def test_faces_without_triangles_have_no_half_edges_along_their_rims():
+    _, polygons = polygon_mesh(POINTS, SURFACE)
+    left = polygons.triangle_faces == 0
+    polygons = replace(polygons, triangle_corners=polygons.triangle_corners[left], triangle_faces=np.zeros(4, int))
+    assert (polygons.rim_half_edges[:6] >= 0).all() and (polygons.rim_half_edges[6:] == -1).all()

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synch_fields.core.connection import as_matrices
+from synch_fields.core.connection import are_flips, as_matrices, circle_transports
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import direction_problem
@@ -16,9 +16,10 @@ from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solution import DESCENT
 from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.angle_matrix import AngleMatrix
 from synch_fields.core.solve.warm_start import Follower
 
-from ..graphs import fixed_stripes, half_turned_stripes, random_connection
+from ..graphs import fixed_stripes, half_turned_stripes, random_connection, random_constraints
 from ..meshes import bumpy_torus, icosphere, together
 
 
@@ -95,6 +96,74 @@ def test_a_problem_takes_from_the_one_before_only_what_is_its_own():
         assert (problem._embedding is flips._embedding) == adopts
         np.testing.assert_array_equal(follower.solve(problem, phases).phases, fresh.solve(again, phases).phases)
         assert not {"factor", "pieces"} & set(vars(follower._before)) and "_embedding" in vars(follower._before)
+
+
+ANGLED = {
+    **{f"{kind}-{seed}": (kind, seed) for kind in ("circle", "flips") for seed in (1, 2, 4, 6)},
+    "turned": ("turned", 1),
+}
+
+
+def angled(kind, seed, nodes=30):
+    """A problem with merged, fixed and drawn nodes, and some angles at which entries of the matrix vanish."""
+    random = np.random.default_rng(seed)
+    known = {} if kind == "turned" else random_constraints(kind, nodes, seed)
+    connection = random_connection("flips" if kind == "turned" else kind, nodes, 0 if kind == "turned" else 40, seed)
+    flips = are_flips(connection.transports)
+    angles = random.uniform(-np.pi, np.pi, len(flips)) * (np.arange(len(flips)) % 3 > 0)
+    connection = replace(connection, transports=circle_transports(angles, flips if kind != "circle" else None))
+    return SynchronizationProblem(connection, random.uniform(0.5, 2, nodes), **known)
+
+
+@pytest.mark.parametrize(("kind", "seed"), ANGLED.values(), ids=ANGLED)
+def test_the_matrix_for_other_angles_is_the_one_that_their_problem_has(kind, seed):
+    problem = angled(kind, seed)
+    turned = problem.turned_by(np.random.default_rng(9).uniform(-3, 3, len(problem.connection.edges)))
+    assert problem.is_complex == (kind != "flips") and len(problem.pieces) == 1
+    piece, weight = problem.pieces[0].scaled()
+    matrix = AngleMatrix(problem, piece, weight)
+    for other in (problem, turned):
+        expected = other.pieces[0].matrix.toarray() / weight
+        found = matrix.at(other.connection.transports)
+        assert found.dtype == (np.float32 if kind == "flips" else np.complex64)
+        np.testing.assert_allclose(found.toarray(), expected, atol=1e-6)
+
+
+def test_pieces_have_matrices_for_other_angles_each_of_its_own_edges():
+    mesh = together(icosphere(2), bumpy_torus(12))
+    problem = direction_problem(mesh, 1)
+    turned = problem.turned_by(np.random.default_rng(9).uniform(-3, 3, len(problem.connection.edges)))
+    for piece, other in zip(problem.pieces, turned.pieces, strict=True):
+        scaled, weight = piece.scaled()
+        found = AngleMatrix(problem, scaled, weight).at(turned.connection.transports)
+        assert abs(found - other.matrix / weight).max() < 1e-6
+
+
+@pytest.mark.parametrize("flips", [False, True])
+def test_from_the_third_problem_on_steps_are_those_of_a_follower_that_assembles_each(along, flips):
+    if flips:
+        mesh = bumpy_torus(24)
+        field = direction_field(mesh, 2)
+        along = lambda spacing: pattern_problem(mesh, field, PatternWishes(spacing))  # noqa: E731
+    follower, phases = Follower(), solve(along(0.5)).phases
+    for number, spacing in enumerate((0.505, 0.51, 0.515, 0.52, 0.525)):
+        problem = along(spacing)
+        assert follower.take_on(problem)
+        found = follower.solve(problem, phases)
+        assert ("factor" in vars(problem)) == (number < 2) and follower._repeats == (number > 0)
+        fresh = Follower()
+        fresh._metrics = dict(follower._metrics)
+        again = fresh.solve(along(spacing), phases)
+        assert found.energy == pytest.approx(again.energy, rel=1e-5)
+        np.testing.assert_allclose(found.phases, again.phases, atol=2e-3)
+        phases = found.phases
+
+
+def test_to_another_process_a_problem_goes_without_what_can_be_made_again(along):
+    problem, count = along(0.5), len(pickle.dumps(along(0.5)))
+    expected = problem.pieces[0].matrix
+    assert len(pickle.dumps(problem)) == count
+    assert abs(pickle.loads(pickle.dumps(problem)).pieces[0].matrix - expected).max() == 0
 
 
 def test_only_fields_on_the_circle_in_few_pieces_are_followed():
