@@ -17,6 +17,7 @@ from ..jobs.kept_results import result_line
 from ..jobs.report import Report
 from ..reading.refinement import refinement_of, solved_object
 from ..reading.surface import gather, settings_for
+from ..settings.fields import mesh_values
 from . import frame_attributes, made_from, memory, numbers, own_surface, quad_mesh, write
 from .curves_read import curves_read
 
@@ -150,7 +151,10 @@ def write_quads(obj, request, result, report, selection, surface, replaced=None)
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered
-        asked = asdict(report.asked) | {"spacing": plain["settings"]["spacing"]}
+        spacing = plain["settings"]["spacing"]
+        for name, value in mesh_values(report.asked, spacing).items() if report.made_from else ():
+            assign(made.synch, name, value)
+        asked = asdict(report.asked) | {"spacing": spacing}
         assign(made.synch, "made_from", report.made_from)
         assign(made.synch, "result", result_line(plain | {"carrier": {}, "settings": asked}))  # it is a surface
     return plain

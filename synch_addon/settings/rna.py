@@ -109,6 +109,19 @@ def settings_of(kind: type[SettingsRecord], properties: Any, names: Collection[s
     return kind(**values | apart)
 
 
+def values_of(settings: SettingsRecord, names: Collection[str]) -> dict[str, Any]:
+    """Named settings as the values of their properties, by name: the inverse of :func:`settings_of`."""
+    known = dict(records(type(settings)))
+    return {name: _shown(known[name], getattr(settings, name)) for name in names}
+
+
+def _shown(record: Setting, value: Any) -> Any:
+    """A setting's value as its property has it."""
+    if record.choices:
+        return identifier_of(value) if isinstance(value, str) else set(map(identifier_of, value))
+    return 100 * value if record.unit == SHARE and record.most == 1 else value
+
+
 def _plain(record: Setting, value: Any) -> Any:
     """A property's value as the setting has it."""
     if record.choices:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The simple panel in a real window: one button, and variations that a click on a thumbnail's button shows."""
 
+import numpy as np
 import pytest
 
 from .test_window import add_ball
@@ -26,6 +27,15 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     gallery = "part('panels.thumbnails').galleries.of(active())"
     simple.until(f"len({gallery}.made) == {gallery}.count > 1")
     keep("simple", simple.picture("UI"))
+    before = simple.value(f"[variation.picture.tolist() for variation in {gallery}.made]")
+    simple.run("from mathutils import Euler; view().view_rotation = Euler((1.5, 0, 2.5)).to_quaternion()")
+    simple.move(simple.wait_for("Variation"))  # the panel is drawn again where the mouse comes to it
+    simple.until(f"{gallery}.is_complete")
+    after = simple.value(f"[variation.picture.tolist() for variation in {gallery}.made]")
+    simple.run("import numpy as np")
+    turned = simple.value(f"({gallery}.view @ np.array(view().view_rotation.to_matrix())).tolist()")
+    np.testing.assert_allclose(turned, np.eye(3), atol=0.03)
+    assert all(np.abs(np.subtract(old, new)).max() > 0.5 for old, new in zip(before, after, strict=True))
     cost = simple.value(f"part('panels.thumbnails')._cost({gallery}.made[1])")
     simple.click(cost)
     simple.until("active().synch_shown.variation == 1")
