@@ -25,6 +25,8 @@ from .suggestions import suggest_numbers
 
 # Limits of whole numbers in Blender.
 _MOST = 2**31 - 1
+# Numbers that go so far change by so much with the arrows of their fields.
+_MANY, _COARSE = 10_000, 100
 _SUBTYPES = {LENGTH: "DISTANCE", ANGLE: "ANGLE", PIXELS: "PIXEL", FILE: "FILE_PATH", FOLDER: "DIR_PATH"}
 
 
@@ -85,6 +87,7 @@ def _number(record: Setting, of_type: type, default: Any) -> dict[str, Any]:
         scale = {
             name: value if value is None else round(max(min(value, _MOST), -_MOST)) for name, value in scale.items()
         }
+        scale["step"] = _COARSE if (high or 0) >= _MANY else 1
     if record.unit in (LENGTH, SHARE):
         scale["precision"] = 4
     if record.unit in _SUBTYPES:

@@ -233,3 +233,15 @@ def test_errors_select_vertices_of_the_source(ball):
     with pytest.raises(RuntimeError, match="not symmetric in X"):
         bpy.ops.synch.quad_mesh_again(faces=50, mirror=(True, False, False))
     assert ball.data.vertices[far].select and not all(vertex.select for vertex in ball.data.vertices)
+
+
+def test_another_kind_is_made_of_the_quad_mesh_itself(ball, click):
+    made = made_of(ball, faces=300)
+    made.synch_simple.kind, made.synch_simple.lines = "stripes", 8
+    assert source_of(made) is None and not bpy.ops.synch.quad_mesh_again.poll()
+    faces = len(made.data.polygons)
+    click("stripes", made)
+    assert made.synch_simple.kind == "stripes" and len(made.data.polygons) == faces
+    assert memory.holds(made) and not memory.is_outdated(made)
+    made.synch_simple.kind = "quad_mesh"
+    assert source_of(made) == ball and bpy.ops.synch.quad_mesh_again.poll()
