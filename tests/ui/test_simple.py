@@ -53,15 +53,25 @@ def test_another_count_of_faces_is_one_field_and_one_click(simple, keep):
     objects = simple.value("len(bpy.data.objects)")
     assert 280 <= count <= 320
     simple.run("active().synch.faces = 600; area().tag_redraw()")
+    simple.run("work = None; queue = part('jobs.queue').queue")
     simple.click(simple.says("Update {what}", what=simple.says("Quad Mesh")))
+    simple.until("bool(work := queue.running or work) and (work.is_seen or work.is_over)")
+    assert simple.value("work.is_seen")  # drawn over the quad mesh, although its source is hidden
     simple.until("len(active().data.polygons) > 550")
     simple.wait_for("Quad Mesh Again")
     assert simple.value("active().name") == name and simple.value("len(bpy.data.objects)") == objects
     keep("quad_mesh_again", simple.picture("UI"))
 
 
-def test_a_click_on_the_picture_of_a_look_applies_it(simple):
+def test_a_click_on_the_picture_of_a_look_applies_it(simple, keep):
     add_ball(simple, 4)
     simple.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
     simple.run("bpy.context.scene.synch_preset = 'corduroy'")  # as the click does
     simple.until("active().active_material and active().active_material.name == 'Synch Corduroy'")
+
+    def is_velvet(picture):
+        """ribs of orange velvet in Solid view"""
+        red, _, blue = (picture[..., channel].astype(int) for channel in range(3))
+        return (red > blue + 50).sum() > 20_000
+
+    keep("look_in_solid", simple.wait_to_see(is_velvet, None))
