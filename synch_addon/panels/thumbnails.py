@@ -28,6 +28,8 @@ _BLANK = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_ite
 _MUCH = 10
 # Share of the line ends that may lie elsewhere in variations that look alike.
 _MOST_APART = 0.1
+# Seconds after the last turn of a view at which its thumbnails follow.
+_STILL = 0.3
 # The view of an object before its thumbnails are drawn in a window: from its front. Of a turn, as much is not followed.
 FRONT, _SAME_VIEW = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]), 0.02
 
@@ -123,15 +125,19 @@ class _Galleries:
     def __init__(self):
         self._kept, self._wanted = LruCache(memory.MOST), None
         self._icons, self._pictured = None, {}
-        self._timer = Timer(self._make, first=0.05)
+        self._timer, self._rest = Timer(self._make, first=0.05), Timer(_draw_panels, first=_STILL)
+        self._handler, self._turns = None, {}
 
     def register(self):
-        """Begin to keep icons."""
+        """Begin to keep icons, and to notice views that turn."""
         self._icons = bpy.utils.previews.new()
+        self._handler = bpy.types.SpaceView3D.draw_handler_add(self._look, (), "WINDOW", "POST_PIXEL")
 
     def unregister(self):
         """Make nothing more, and give the icons back."""
+        bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
         self._timer.stop()
+        self._rest.stop()
         self._wanted = None
         bpy.utils.previews.remove(self._icons)
 
@@ -172,14 +178,27 @@ class _Galleries:
         for name in [name for name in self._icons if self._kept.get(int(name.split()[0])) is None]:
             del self._icons[name], self._pictured[name]
 
+    def _look(self):
+        """Have the panels drawn again once a view that turned is still."""
+        view = bpy.context.region_data
+        turn, key = tuple(view.view_rotation), view.as_pointer()
+        if self._turns.setdefault(key, turn) != turn:
+            self._turns[key] = turn
+            self._rest.stop()
+            self._rest.start()
+
     def _make(self):
         goes_on = self._wanted.make_next()
-        for window in bpy.context.window_manager.windows:
-            for area in window.screen.areas:
-                for region in area.regions if area.type == "VIEW_3D" else ():
-                    if region.type == "UI":
-                        region.tag_redraw()
+        _draw_panels()
         return 0.02 if goes_on else None
+
+
+def _draw_panels():
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
 
 
 galleries = _Galleries()
