@@ -30,7 +30,7 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     before = simple.value(f"[variation.picture.tolist() for variation in {gallery}.made]")
     simple.run("from mathutils import Euler; view().view_rotation = Euler((1.5, 0, 2.5)).to_quaternion()")
     simple.run("import numpy as np; turned = np.array(view().view_rotation.to_matrix()).T; area().tag_redraw()")
-    simple.until(f"{gallery}.is_complete and np.abs({gallery}.view - turned).max() < 0.03")
+    simple.until(f"{gallery}.is_complete and bool(np.abs({gallery}.view - turned).max() < 0.03)")
     after = simple.value(f"[variation.picture.tolist() for variation in {gallery}.made]")
     assert all(np.abs(np.subtract(old, new)).max() > 0.5 for old, new in zip(before, after, strict=True))
     cost = simple.value(f"part('panels.thumbnails')._cost({gallery}.made[1])")
