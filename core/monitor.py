@@ -16,6 +16,8 @@ from .threads import start_thread
 POLL_SECONDS = 0.05
 # Share of the work after which its time can be estimated without an expected total.
 _TELLING = 0.15
+# Most weight of the share that is done in an estimate, as a multiple of it: a hundredth tells hardly anything.
+_TELLS_TOTAL = 10
 # Called with a stage and a fraction of the work; a false answer other than None cancels.
 Callback = Callable[[str, float], bool | None]
 Result = TypeVar("Result")
@@ -168,10 +170,10 @@ def seconds_left(passed: float, fraction: float, expected: float | None = None) 
     """Estimate the seconds that work still takes; None if that is unknown.
 
     At first the ``expected`` total counts; from the middle of the work on, or when so much time has passed, only the
-    share of the work that is done.
+    share of the work that is done; never a very small share.
     """
     if expected is None:
         return passed * (1 / fraction - 1) if fraction > _TELLING else None
-    weight = min(max(2 * fraction, passed / expected), 1)
+    weight = min(max(2 * fraction, passed / expected), _TELLS_TOTAL * fraction, 1)
     total = expected ** (1 - weight) * (passed / fraction) ** weight if fraction > 0 else expected
     return max(total - passed, 0.0)

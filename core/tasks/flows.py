@@ -48,6 +48,8 @@ _NOISE, _IRROTATIONAL = 0.8, 2.0
 # wanted one, and how many solves with smaller circulations follow where it is further below; below this part of the
 # wanted share the circulation is halved.
 LEAST_SHARE, _SHORTFALL, _MORE_SOLVES, _FAR_BELOW = 0.6, 0.1, 3, 0.5
+# Share of the work that the relaxation is counted as in any solve, and of the time that it takes in one of a flow.
+_RELAXED, _RELAXED_OF_FLOW = 0.4, 0.8
 # Mean number of filaments through a face above which there is a warning.
 _MANY_QUANTA = 0.25
 
@@ -169,7 +171,9 @@ class FlowResult:
             coarse = coarse_map(grid, integrals, quantum, settings.seed, portion(progress, 0.0, 0.1))
             if coarse is not None:
                 show(coarse)
-        found = clebsch_map(grid, integrals, quantum, options, portion(progress, 0.1, 0.35))
+        is_rough = settings.show == "filaments" and isinstance(grid, Grid)
+        end = 0.9 if is_rough else 0.75  # shares of the time
+        found = clebsch_map(grid, integrals, quantum, options, _relaxing(portion(progress, 0.1, end - 0.2)))
         least = least_quantum(grid, integrals)
         for number in range(more):
             if settings.count is None:
@@ -180,12 +184,11 @@ class FlowResult:
             if is_enough or STEP * found.quantum < least:
                 break
             smaller = float(f"{max((STEP**2 if is_far else STEP) * found.quantum, least):.3g}")
-            part = 0.35 / more
-            found = clebsch_map(grid, integrals, smaller, options, portion(progress, 0.45 + part * number, part))
+            part = portion(progress, end - 0.1 * (1 - number / more), 0.1 / more)
+            found = clebsch_map(grid, integrals, smaller, options, part)
         if show is not None:
             show(found)
-        is_rough = settings.show == "filaments" and isinstance(grid, Grid)
-        sphere = spherical_map(found, portion(progress, 0.8, 0.2), is_rough) if settings.method == "sdp" else None
+        sphere = spherical_map(found, portion(progress, end, 1 - end), is_rough) if settings.method == "sdp" else None
         seconds = {"sphere": sphere.seconds} if sphere else {}
         return cls(found, sphere, found, None, seconds=seconds).seen_from_point(settings)
 
@@ -208,6 +211,14 @@ class FlowResult:
         if self.shown is None:
             return other
         return replace(other, shown=extract_vortices(other.seen, self.sphere, settings), linked=None)
+
+
+def _relaxing(callback: Callback | None) -> Callback | None:
+    """Derive a callback for a solve of which the relaxation takes most of the time."""
+    if callback is None:
+        return None
+    shares = (0, _RELAXED, 1), (0, _RELAXED_OF_FLOW, 1)
+    return lambda stage, fraction: callback(stage, float(np.interp(fraction, *shares)))
 
 
 def _shown_share(found: ClebschMap, settings: FlowSettings) -> float:

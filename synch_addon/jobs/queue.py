@@ -17,6 +17,8 @@ from .worker import Worker, WorkerGone
 
 # Most that the time of one job counts, as a factor of what was expected.
 _FAR = 10.0
+# Most of what is left that the bar shows as done before the next report.
+_GUESSED = 0.6
 # Letters of a stage that fit into the progress bar beside a time, and seconds from which on times are in minutes.
 _SHORT, _MINUTES = 12, 100
 # Seconds after its last job at which the child ends, and between two looks.
@@ -53,6 +55,7 @@ class Work:
         self.is_over = self.has_begun = self.is_seen = self.is_kept = False
         self.let_go = lambda: None
         self.expected, self._told = None, None
+        self._share, self._reported = 0.0, (0.0, 0.0)
         self.holds_window = hasattr(job, "advance")
         self._start, self.waited = time.monotonic(), 0.0
 
@@ -146,10 +149,23 @@ class Work:
             self._paces[self.label] = math.sqrt(self._paces.get(self.label, 1.0) * measured)
 
     @property
+    def share(self):
+        """Share of the work that is done, as far as that can be told: between two reports it grows with time, by a part
+        of what is left."""
+        if self.fraction != self._reported[0]:
+            self._reported = self.fraction, self.age
+        told, since = self._reported
+        if self.expected:
+            rest = max(self.expected - since, self.expected / _FAR)
+            told += _GUESSED * (1 - told) * -math.expm1((since - self.age) / rest)
+        self._share = max(self._share, told)
+        return self._share
+
+    @property
     def line(self):
         """How far it is, for the status bar."""
         name, comma, rest = self._doing
-        return f"{self.fraction:.0%}  {translate(name)}{comma}{rest}"
+        return f"{self.share:.0%}  {translate(name)}{comma}{rest}"
 
     @property
     def short_line(self):
@@ -159,7 +175,7 @@ class Work:
         if left is not None:
             told = translate("about {left} left", left=as_time(left))
             told = f"{stage}, {told}" if len(stage) <= _SHORT else told
-        return f"{self.fraction:.0%}  {told}" if self.has_begun else self.line
+        return f"{self.share:.0%}  {told}" if self.has_begun else self.line
 
     @property
     def _doing(self):
@@ -168,7 +184,7 @@ class Work:
     @property
     def _left(self):
         """Seconds left, where that can be told, and at least one."""
-        left = seconds_left(self.age, self.fraction, self.expected)
+        left = seconds_left(self.age, self.share, self.expected)
         return left if left is not None and left >= 1 else None
 
     @property

@@ -253,6 +253,12 @@ def _loops(made):
     return line if before is None else f"{line} ({before['short_loop_share']:.0%} before more of them were closed)"
 
 
+def count_defects(report):
+    """Defects in the words of the panel: "2 swirl points, 3 line ends"."""
+    kinds = ("disclinations", "swirl point"), ("dislocations", "line end")
+    return ", ".join(count_text(len(report[kind]), word) for kind, word in kinds)
+
+
 def count_text(count, noun):
     """ "1 dislocation", "2 dislocations", "0 vertices" """
     return f"{count} {noun if count == 1 else plural(noun)}"

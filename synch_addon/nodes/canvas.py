@@ -152,6 +152,17 @@ class Canvas:
     def color_mix(self, factor, first, second):
         return self.value("ShaderNodeMix", 2, "Color", {0: factor, 6: first, 7: second}, data_type="RGBA")
 
+    def color(self, label, value):
+        """A colour that many inputs can share."""
+        node = self.place("ShaderNodeRGB", 0, label)
+        node.outputs[0].default_value = value
+        return Expression(self, node.outputs[0], 0)
+
+    def tinted(self, color, ratio):
+        """A colour times another one."""
+        settings = {"data_type": "RGBA", "blend_type": "MULTIPLY"}
+        return self.value("ShaderNodeMix", 2, "tint", {0: 1.0, 6: color, 7: ratio}, **settings)
+
     def node(self, type_name, depth, label="", inputs=(), **settings):
         """Add a node with these settings and values of its inputs, by their names."""
         node = self.place(type_name, depth, label, rows=4)

@@ -110,12 +110,14 @@ solved again"""
         return f"{obj.name}: {words_of(self.kind, self.index)}, {self._line}"
 
     def _select(self, context, obj):
-        """Select the empty of the defect and its face; the object stays the active one."""
+        """Select the face of the defect, and its empty in place of the object if that is shown."""
+        asked = self.kind, self.face
+        empties = [empty for empty in defect_empties(obj) if (empty["synch_kind"], empty["synch_face"]) == asked]
+        shown = [empty for empty in empties if empty.visible_get()]
         for other in context.selected_objects:
-            other.select_set(False)
-        for empty in defect_empties(obj):
-            if (empty["synch_kind"], empty["synch_face"]) == (self.kind, self.face) and empty.visible_get():
-                empty.select_set(True)
+            other.select_set(other == obj and not shown)
+        for empty in shown:
+            empty.select_set(True)
         try:
             with meshes.object_mode(obj):
                 meshes.select_faces(obj, faces_of_object(obj, [self.face]))

@@ -17,7 +17,7 @@ from ..blender.translations import operator_error, translate
 from ..blender.undo_steps import undo_steps
 from ..jobs.job import run
 from ..jobs.queue import queue
-from ..jobs.report import count_text
+from ..jobs.report import count_defects
 from ..panels.row_operators import others_selected
 from ..panels.sidebar import draw_redo
 from ..patterns import job as field_job
@@ -331,7 +331,7 @@ class FieldOperator(ObjectOperator):
         made = report.get("quad_mesh")
         if made is not None:
             return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
-        counts = ", ".join(count_text(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
+        counts = count_defects(report)
         if report["energy"] is None:
             return f"{report['object']}: {counts}"
         proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""

@@ -31,15 +31,6 @@ class _QuadMeshOperator(FieldOperator, MeshProperties, SettingProperties):
     command = "quad_mesh"
     stored_as = MESH_NAMES
 
-    def _announce(self, context, report):
-        """Store the settings with the quad mesh, where *Quad Mesh Again* finds them."""
-        stored = bpy.data.objects[report["quad_mesh"]["object"]].synch
-        stored.automatic_spacing = not self.properties.is_property_set("spacing")
-        stored.made_along = self.guidance
-        for name in PROPERTY_NAMES:
-            setattr(stored, self.stored_as.get(name, name), getattr(self, name))
-        return super()._announce(context, report)
-
 
 class SYNCH_OT_quad_mesh(_QuadMeshOperator, bpy.types.Operator):
     """Make a new mesh of quads along the grid lines of a quad pattern, and hide the active one"""

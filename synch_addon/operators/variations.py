@@ -12,6 +12,7 @@ from ...core.fields.placement import nearest_variation, with_line_ends
 from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender.translations import translate
+from ..jobs.report import count_text
 from ..patterns import memory
 from ..patterns.numbers import renew_shown
 from ..settings.rna import property_of
@@ -151,7 +152,7 @@ more; Enter ends, Esc undoes"""
 
 
 def _find_variations(report):
-    return f"{report['object']}: energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
+    return f"{report['object']}: energy {report['energy']:.4g}, {count_text(len(report['dislocations']), 'line end')}"
 
 
 CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)

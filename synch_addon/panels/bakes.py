@@ -9,7 +9,8 @@ from ..bakes.job import bake_seconds
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..settings.rna import properties_of
-from .progress import draw_estimate
+from .progress import draw_begin, draw_estimate
+from .row_operators import can_set
 from .setting_rows import draw_settings, property_column
 from .sidebar import SettingsPanel
 
@@ -33,12 +34,13 @@ class SYNCH_PT_bake(SettingsPanel, bpy.types.Panel):
     def poll(cls, context):
         return super().poll(context) and pattern_kind(context.active_object) is not None
 
-    def draw_body(self, context):
-        settings = context.scene.synch_bake
-        draw_bake(self.layout, settings, context.active_object)
+    def draw(self, context):
+        settings, obj, column = context.scene.synch_bake, context.active_object, self.layout.column()
+        column.enabled = can_set(obj)
+        draw_bake(column, settings, obj)
         seconds = bake_seconds(map(str.lower, settings.maps), settings.size, settings.samples)
-        draw_estimate(self.layout, "Bake", seconds)
-        self.layout.operator("synch.bake", icon="RENDER_STILL")
+        draw_estimate(column, "Bake", seconds)
+        draw_begin(self.layout, "synch.bake", "Bake", "RENDER_STILL", obj)
 
 
 def draw_bake(layout, settings, obj):

@@ -36,7 +36,7 @@ class _View:
         if picture is None:
             self._picture = self._drawn = None
             return
-        region, link = context.region_data, work.job.link
+        region, link = context.region_data, getattr(work.job, "replaced", None) or work.job.link
         view = nearer(region) @ region.view_matrix
         if link is not None:
             obj = link.present

@@ -12,7 +12,8 @@ from ..blender.registration import register_all
 from ..blender.translations import OURS
 from ..frames.job import HOLD, Span
 from ..settings.rna import settings_of
-from .progress import draw_estimate
+from .progress import draw_begin, draw_estimate
+from .row_operators import can_set
 from .setting_rows import property_column
 from .sidebar import SettingsPanel
 
@@ -55,18 +56,18 @@ class SYNCH_PT_animation(SettingsPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 2
 
-    def draw_body(self, context):
-        settings = context.active_object.synch_animation
-        column = property_column(self.layout)
+    def draw(self, context):
+        obj, column = context.active_object, property_column(self.layout)
+        settings, column.enabled = obj.synch_animation, can_set(obj)
         column.prop(settings, "pattern")
         column.prop(settings, "scene_frames")
         if not settings.scene_frames:
             column.prop(settings, "first")
             column.prop(settings, "last")
         column.prop(settings, "hold")
-        _draw_expected(self.layout, context, settings)
-        self.layout.operator("synch.animate", icon="RENDER_ANIMATION")
-        if any(shows_frames(modifier) for modifier in context.active_object.modifiers):
+        _draw_expected(column, context, settings)
+        draw_begin(self.layout, "synch.animate", "Animate", "RENDER_ANIMATION", obj)
+        if any(map(shows_frames, obj.modifiers)):
             self.layout.label(text="Animated: a new solve replaces it", icon="INFO")
 
 

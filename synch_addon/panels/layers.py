@@ -22,7 +22,7 @@ from ..nodes.layers import opening_modifier
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
-from .progress import draw_estimate
+from .progress import draw_begin, draw_estimate
 from .row_operators import RemoveRow, RowOperator
 from .setting_rows import draw_automatic, draw_settings, property_column
 from .sidebar import DetailsPanel, SidebarPanel, draw_unready
@@ -44,15 +44,16 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
         obj = solid_of(context.active_object)
         if draw_unready(self.layout, obj):
             return
-        self.layout.enabled = not queue.holds(obj)
         if obj != context.active_object:
             self.layout.label(text=translate("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
         row = self.layout.row()
         row.scale_y = 1.3
-        row.operator("synch.layers", icon="ALIGN_JUSTIFY")
-        _draw_expected(self.layout, obj)
-        draw_opening(self.layout, context.active_object)
-        draw_layers(self.layout, obj.synch_layering)
+        draw_begin(row, "synch.layers", "Layers", "ALIGN_JUSTIFY", obj)
+        column = self.layout.column()
+        column.enabled = not queue.holds(obj)
+        _draw_expected(column, obj)
+        draw_opening(column, context.active_object)
+        draw_layers(column, obj.synch_layering)
 
 
 class SYNCH_PT_layer_solver(DetailsPanel, bpy.types.Panel):

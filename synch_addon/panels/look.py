@@ -39,31 +39,41 @@ class SynchLook(bpy.types.PropertyGroup):
 
 def look_of(obj):
     """The colours of an object's pattern and between it, and the share of the area that it fills, as far as its node
-    holds them."""
+    holds them; of a width that varies, its mean."""
     kind = pattern_kind(obj)
     node = None if kind is None else pattern_node(obj, kind)
     if node is None:
         return INK_BLUE, WARM_IVORY, 0.5
-    color, background, width = (node.inputs[name] for name in ("Color", "Background", "Width"))
-    return (
-        INK_BLUE if color.is_linked else tuple(color.default_value),
-        WARM_IVORY if background.is_linked else tuple(background.default_value),
-        0.5 if width.is_linked else min(max(width.default_value, 0.0), 1.0),
-    )
+    colors = [_color_socket(node, name) for name in _COLORS]
+    given = [
+        standard if socket is None else tuple(socket.default_value)
+        for socket, standard in zip(colors, (INK_BLUE, WARM_IVORY), strict=True)
+    ]
+    return (*given, min(max(node.inputs["Width"].default_value, 0.0), 1.0))
+
+
+def _color_socket(node, name):
+    """What holds a colour of a pattern's node: its input, or a plain colour that leads there; None where other nodes
+    make it."""
+    socket = node.inputs[name]
+    if not socket.is_linked:
+        return socket
+    source = socket.links[0].from_node
+    return source.outputs[0] if source.bl_idname == "ShaderNodeRGB" else None
 
 
 def draw_look(layout, obj):
-    """Draw the inputs of the node that shows an object's pattern, except those that are linked."""
+    """Draw the inputs of the node that shows an object's pattern, except those that other nodes make."""
     kind = pattern_kind(obj)
     node = None if kind is None else pattern_node(obj, kind)
     if node is None:
         return
     column = layout.column(align=True)
-    free = {name for name in ("Profile", *_COLORS, *_SHAPE) if not node.inputs[name].is_linked}
+    free = {name for name in ("Profile", *_SHAPE) if not node.inputs[name].is_linked}
     row = column.row(align=True)
-    for name in _COLORS:
-        if name in free:
-            row.prop(node.inputs[name], "default_value", text="")
+    for socket in (_color_socket(node, name) for name in _COLORS):
+        if socket is not None:
+            row.prop(socket, "default_value", text="")
     if "Profile" in free:
         property_column(column).prop(obj.synch_look, kind)
     row = column.row(align=True)

@@ -7,11 +7,23 @@ from ..jobs.queue import Work, as_time, queue
 
 def draw_work(bar, row, work):
     """How far a job is, and the buttons that end it, which stand where those that begin one do."""
-    bar.progress(factor=work.fraction, text=work.short_line)
+    bar.progress(factor=work.share, text=work.short_line)
     if work.can_be_kept:
         row.operator("synch.keep", icon="CHECKMARK")
     text = "Discard" if work.shows_result else "Cancel"
     row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
+
+
+def draw_begin(layout, operator, label, icon, obj=None):
+    """The button of an operator, in whose place stands how far its job is: one of this label, for an object or none."""
+    row = layout.row(align=True)
+    asked = (work for work in queue.works if work.label == label and work.obj == obj and not work.is_quiet)
+    work = next(asked, None)
+    if work is None:
+        row.operator(operator, icon=icon)
+        return
+    row.progress(factor=work.share, text=work.short_line)
+    row.operator("synch.cancel", text="", icon="X").place = queue.works.index(work)
 
 
 def draw_estimate(layout, label, seconds, megabytes=None):

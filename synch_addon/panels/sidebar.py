@@ -23,7 +23,7 @@ from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
 from .progress import draw_work
-from .row_operators import can_set, meshes_selected, others_selected
+from .row_operators import can_set, meshes_selected
 from .setting_presets import SYNCH_PT_presets
 from .setting_rows import draw_setting, draw_settings, property_column, skip
 
@@ -124,10 +124,9 @@ def draw_main(layout, obj):
             button.operator(name, text=text, icon="FILE_REFRESH", translate=False)
         else:
             button.operator(name, icon_value=layout.enum_item_icon(simple, "kind", simple.kind))
-        if again:
-            row.label(text=translate("Made of {name}", name=source.name), icon="OBJECT_DATA", translate=False)
-        else:
-            property_column(row).prop(simple, "kind")
+        property_column(row).prop(simple, "kind")
+    if again:
+        layout.label(text=translate("Made of {name}", name=source.name), icon="OBJECT_DATA", translate=False)
     layout = layout.column()
     layout.enabled = can_set(obj)
     draw_shape(layout, obj)
@@ -241,10 +240,8 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
                 row.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
             if live.error:
                 layout.label(text=live.error, icon="ERROR", translate=False)
-            others = len(others_selected(context)) or len(meshes_selected(context))
-            if others:
-                text = translate("Copy Settings to {count} Others", count=others)
-                layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
+            if meshes_selected(context):
+                layout.operator("synch.copy_settings", text="Copy Settings to Selected", icon="COPYDOWN")
 
 
 class SettingsPanel(SidebarPanel):

@@ -39,9 +39,9 @@ def _get_direction(simple):
     stored = simple.id_data.synch
     if simple.others:
         return len(_DIRECTIONS)
-    asked = stored.guidance, stored.angle
     for number, (name, (guidance, angle)) in enumerate(_DIRECTIONS.items()):
-        if asked[0] == guidance and math.isclose(asked[1], angle, abs_tol=1e-6):
+        # Nothing moves under a dragged angle, so a turn leaves the direction; but along an axis is not around it.
+        if stored.guidance == guidance and (angle == 0 or stored.angle != 0):
             return number if name != "SMOOTH" or not simple.draws else list(_DIRECTIONS).index("STROKES")
     return len(_DIRECTIONS)
 

@@ -10,7 +10,7 @@ from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_solve
 from ..flows.files import can_export
-from .progress import draw_estimate
+from .progress import draw_begin, draw_estimate
 from .setting_rows import draw_setting, property_column
 from .sidebar import DetailsPanel, SidebarPanel
 
@@ -29,7 +29,7 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
         draw_expected(self.layout, context, settings)
         column = self.layout.column()
         column.scale_y = 1.3
-        column.operator("synch.clebsch", icon="FORCE_VORTEX")
+        draw_begin(column, "synch.clebsch", "Vortices", "FORCE_VORTEX")
 
 
 class SYNCH_PT_vortex_solver(DetailsPanel, bpy.types.Panel):

@@ -17,6 +17,7 @@ from ..jobs.kept_results import result_line
 from ..jobs.report import Report
 from ..reading.refinement import refinement_of, solved_object
 from ..reading.surface import gather, settings_for
+from ..settings.fields import mesh_values
 from . import frame_attributes, made_from, memory, numbers, own_surface, quad_mesh, write
 from .curves_read import curves_read
 
@@ -24,7 +25,7 @@ from .curves_read import curves_read
 class FieldJob:
     """A field, a pattern or a quad mesh of an object; see :mod:`..jobs.job`.
 
-    ``replaced`` is an earlier quad mesh of the object, whose place the new one takes.
+    ``replaced`` is an earlier quad mesh of the object, whose place the new one and its first results take.
     """
 
     def __init__(self, command, obj, settings, replaced=None):
@@ -32,7 +33,7 @@ class FieldJob:
         settings = settings_for(command, obj, settings)
         bpy.context.view_layer.update()  # a script may have scaled the object just now
         self.link, self._selection = ObjectLink.to(obj), Selection.now()
-        self._replaced = None if replaced is None else ObjectLink.to(replaced)
+        self.replaced = None if replaced is None else ObjectLink.to(replaced)
         self._report = Report(command, obj, settings)
         with meshes.object_mode(obj), self._report.clock("read"):
             try:
@@ -65,7 +66,7 @@ class FieldJob:
             if result.quads is not None:
                 with solved_object(obj, self._refinement) as surface:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
-                    replaced = None if self._replaced is None else self._replaced.found
+                    replaced = None if self.replaced is None else self.replaced.found
                     with nullcontext() if replaced is None else meshes.object_mode(replaced):
                         return write_quads(obj, request, result, self._report, self._selection, surface, replaced)
             own_surface.bind(obj, self._refinement, self._report.warn)
@@ -150,7 +151,10 @@ def write_quads(obj, request, result, report, selection, surface, replaced=None)
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered
-        asked = asdict(report.asked) | {"spacing": plain["settings"]["spacing"]}
+        spacing = plain["settings"]["spacing"]
+        for name, value in mesh_values(report.asked, spacing).items() if report.made_from else ():
+            assign(made.synch, name, value)
+        asked = asdict(report.asked) | {"spacing": spacing}
         assign(made.synch, "made_from", report.made_from)
         assign(made.synch, "result", result_line(plain | {"carrier": {}, "settings": asked}))  # it is a surface
     return plain

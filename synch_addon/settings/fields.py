@@ -20,7 +20,7 @@ from ..blender.translations import OURS
 from .constraint_list import SynchConstraint
 from .favourite_list import SynchFavourite
 from .guide_list import GUIDANCE, SynchGuide, stored_guidance
-from .rna import properties_of, property_of, settings_of
+from .rna import properties_of, property_of, settings_of, values_of
 
 RECORDS = dict(records(SurfaceSettings))
 # Settings that panel and operators have as properties, and those of them that quad meshes have apart.
@@ -73,8 +73,9 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
 
 
 def source_of(obj):
-    """The object of the scene that a quad mesh was made of, None where there is none."""
-    source = obj.synch.source
+    """The object of the scene that a quad mesh was made of, None where there is none, or where something else is to be
+    made of the quad mesh itself."""
+    source = obj.synch.source if obj.synch_simple.kind == "quad_mesh" else None
     return source if source is not None and bpy.context.scene in source.users_scene else None
 
 
@@ -100,6 +101,16 @@ def plain(properties, spacing, guidance=None):
     guidance = properties.guidance if guidance is None else guidance
     apart = {"guidance": guidance, "spacing": spacing, "mirror": mirror}
     return settings_of(SurfaceSettings, properties, PROPERTY_NAMES, **apart)
+
+
+def mesh_values(settings, spacing):
+    """What a quad mesh keeps of the :class:`SurfaceSettings` that it was made with and of the spacing that it has, by
+    the names of the properties."""
+    names = [name for name in PROPERTY_NAMES if "quad_mesh" in RECORDS[name].commands]
+    values = values_of(settings, [name for name in names if name not in ("spacing", "mirror")])
+    values = {MESH_NAMES.get(name, name): value for name, value in values.items()}
+    values |= {"mirror": [axis in settings.mirror for axis in "XYZ"], "made_along": settings.guidance}
+    return values | {"spacing": spacing, "automatic_spacing": settings.spacing is None}
 
 
 register, unregister = register_all((SynchSettings,), (bpy.types.Object, "synch", SynchSettings))

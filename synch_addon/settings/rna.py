@@ -25,6 +25,8 @@ from .suggestions import suggest_numbers
 
 # Limits of whole numbers in Blender.
 _MOST = 2**31 - 1
+# Numbers that go so far change by so much with the arrows of their fields.
+_MANY, _COARSE = 10_000, 100
 _SUBTYPES = {LENGTH: "DISTANCE", ANGLE: "ANGLE", PIXELS: "PIXEL", FILE: "FILE_PATH", FOLDER: "DIR_PATH"}
 
 
@@ -85,6 +87,7 @@ def _number(record: Setting, of_type: type, default: Any) -> dict[str, Any]:
         scale = {
             name: value if value is None else round(max(min(value, _MOST), -_MOST)) for name, value in scale.items()
         }
+        scale["step"] = _COARSE if (high or 0) >= _MANY else 1
     if record.unit in (LENGTH, SHARE):
         scale["precision"] = 4
     if record.unit in _SUBTYPES:
@@ -107,6 +110,19 @@ def settings_of(kind: type[SettingsRecord], properties: Any, names: Collection[s
     known = dict(records(kind))
     values = {name: _plain(known[name], getattr(properties, name)) for name in names if name not in apart}
     return kind(**values | apart)
+
+
+def values_of(settings: SettingsRecord, names: Collection[str]) -> dict[str, Any]:
+    """Named settings as the values of their properties, by name: the inverse of :func:`settings_of`."""
+    known = dict(records(type(settings)))
+    return {name: _shown(known[name], getattr(settings, name)) for name in names}
+
+
+def _shown(record: Setting, value: Any) -> Any:
+    """A setting's value as its property has it."""
+    if record.choices:
+        return identifier_of(value) if isinstance(value, str) else set(map(identifier_of, value))
+    return 100 * value if record.unit == SHARE and record.most == 1 else value
 
 
 def _plain(record: Setting, value: Any) -> Any:

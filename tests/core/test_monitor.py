@@ -16,6 +16,7 @@ from synch_fields.core.monitor import seconds_left
         (10.0, 0.25, 40.0, 30.0),  # as expected
         (10.0, 0.25, 160.0, 70.0),  # 40 s by its progress: the geometric mean, 80, counts
         (40.0, 0.1, 40.0, 360.0),  # a busy machine
+        (10.0, 0.01, 10.0, 10 * 100**0.1 - 10),  # a hundredth tells hardly anything
         (30.0, 0.5, 600.0, 30.0),
         (30.0, 0.75, 600.0, 10.0),
         (10.0, 0.5, None, 10.0),

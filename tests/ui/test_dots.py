@@ -49,7 +49,14 @@ def rest(window, place):
     window.move(place)
 
 
-def test_a_dot_says_what_it_is_and_a_click_selects_its_empty(solved, keep):
+def test_a_dot_says_what_it_is_and_a_click_selects_it(solved, keep):
+    faces = "[p.index for p in active().data.polygons if p.select]"
+    place, face = front_dot(solved, "dislocation")
+    rest(solved, place)
+    solved.press("LEFTMOUSE")
+    solved.until(f"{faces} == [{face}]")
+    assert solved.value("active().select_get()")  # the empties are hidden
+    solved.click("Empties")
     swirl = solved.says("Swirl point {index}", index="+0.5")
     for kind, words in (("dislocation", "Line end"), ("disclination", swirl)):
         place, face = front_dot(solved, kind)

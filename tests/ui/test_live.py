@@ -4,6 +4,8 @@
 
 import time
 
+import pytest
+
 from .test_window import stripes_are_seen
 from .test_worker import RUNNING, add_ball, begin, over_view
 
@@ -12,18 +14,27 @@ SHOWN = "part('patterns.memory').state(active())"
 ANGLE = f"{SHOWN}.report.settings.angle"
 
 
-def test_good_enough_keeps_what_is_drawn(panel, keep):
+@pytest.mark.parametrize("way", ["Good Enough", "Esc"])
+def test_what_is_drawn_can_be_kept(panel, keep, way):
     add_ball(panel, 7)
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
+    panel.run("bpy.ops.ed.undo_push(message='ball')")
     begin(panel)
     over_view(panel)
     panel.until(f"{RUNNING}.picture is not None and {RUNNING}.fraction < 0.8")
     panel.wait_for("Good Enough")
     keep("good_enough", panel.picture())
-    panel.click("Good Enough")
+    if way == "Esc":
+        over_view(panel)
+        panel.press("ESC")
+    else:
+        panel.click(way)
     panel.until(f"{RUNNING} is None and active().synch.result")
     assert panel.value(f"{SHOWN}.plain['energy'] > 0 and len({SHOWN}.pattern.phases) == 40962")
     assert stripes_are_seen(panel.picture("WINDOW"))
+    over_view(panel)
+    panel.press("Z", ctrl=True)
+    panel.until("not active().synch.result and not active().data.attributes.get('synch_phase')")
 
 
 def test_stripes_follow_an_angle_that_is_dragged(panel, keep):
@@ -44,6 +55,7 @@ def test_stripes_follow_an_angle_that_is_dragged(panel, keep):
         seen.add(panel.value(ANGLE))
         time.sleep(0.05)
     panel.release()
+    assert panel.wait_for("Angle")[1] == y  # the panel has not scrolled under the mouse
     panel.until(f"{LIVE}._work is None and {ANGLE} == active().synch.angle")
     keep("live", panel.picture())
     # It followed on the way, not only in the end.

@@ -63,10 +63,22 @@ def filament_pixels(picture):
 def test_filaments_are_drawn_long_before_the_end_and_go_with_the_job(panel, keep):
     panel.run(CIRCLE + "bpy.context.scene.synch_vortices.resolution = 120")
     panel.run("queue = part('jobs.queue').queue")
-    in_view = "with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area(), "
-    panel.run(in_view + "region=window_region()):\n    bpy.ops.synch.clebsch('INVOKE_DEFAULT')")
+    panel.scroll_to("Vortices")
+    panel.click("Vortices", last=True)
+    panel.scroll_to("Vortices", count=2)
+    x, y = panel.wait_for("Vortices", last=True)
+    panel.click((x, y))
+    panel.until("queue.running is not None")
+    panel.move((700, 500))
+    panel.until("queue.running.expected is not None")
+    while not (shown := panel.places(panel.value("queue.running.short_line"))).size:  # it goes on meanwhile
+        panel.run("area().tag_redraw()")
+    assert abs(shown[0, 1] - y) < 3  # in the place of the button
     panel.run("active().hide_set(True)")
     panel.until("queue.running.picture is not None")
     keep("first_filaments", panel.wait_to_see(lambda picture: filament_pixels(picture) > 100, "WINDOW"))
-    panel.run("queue.cancel(queue.running)")
+    left, _, width, _ = panel.region("UI")
+    panel.click((left + width - 50, y))
+    panel.until("queue.running is None")
+    assert abs(panel.wait_for("Vortices", last=True)[1] - y) < 3
     panel.wait_to_see(lambda picture: filament_pixels(picture) == 0, "WINDOW")

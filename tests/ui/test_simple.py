@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The simple panel in a real window: one button, and variations that a click on a thumbnail's button shows."""
 
+import numpy as np
 import pytest
 
 from .test_window import add_ball
@@ -26,6 +27,12 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     gallery = "part('panels.thumbnails').galleries.of(active())"
     simple.until(f"len({gallery}.made) == {gallery}.count > 1")
     keep("simple", simple.picture("UI"))
+    before = simple.value(f"[variation.picture.tolist() for variation in {gallery}.made]")
+    simple.run("from mathutils import Euler; view().view_rotation = Euler((1.5, 0, 2.5)).to_quaternion()")
+    simple.run("import numpy as np; turned = np.array(view().view_rotation.to_matrix()).T; area().tag_redraw()")
+    simple.until(f"{gallery}.is_complete and bool(np.abs({gallery}.view - turned).max() < 0.03)")
+    after = simple.value(f"[variation.picture.tolist() for variation in {gallery}.made]")
+    assert all(np.abs(np.subtract(old, new)).max() > 0.5 for old, new in zip(before, after, strict=True))
     cost = simple.value(f"part('panels.thumbnails')._cost({gallery}.made[1])")
     simple.click(cost)
     simple.until("active().synch_shown.variation == 1")
@@ -43,15 +50,25 @@ def test_another_count_of_faces_is_one_field_and_one_click(simple, keep):
     objects = simple.value("len(bpy.data.objects)")
     assert 280 <= count <= 320
     simple.run("active().synch.faces = 600; area().tag_redraw()")
+    simple.run("work = None; queue = part('jobs.queue').queue")
     simple.click(simple.says("Update {what}", what=simple.says("Quad Mesh")))
+    simple.until("bool(work := queue.running or work) and (work.is_seen or work.is_over)")
+    assert simple.value("work.is_seen")  # drawn over the quad mesh, although its source is hidden
     simple.until("len(active().data.polygons) > 550")
     simple.wait_for("Quad Mesh Again")
     assert simple.value("active().name") == name and simple.value("len(bpy.data.objects)") == objects
     keep("quad_mesh_again", simple.picture("UI"))
 
 
-def test_a_click_on_the_picture_of_a_look_applies_it(simple):
+def test_a_click_on_the_picture_of_a_look_applies_it(simple, keep):
     add_ball(simple, 4)
     simple.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
     simple.run("bpy.context.scene.synch_preset = 'corduroy'")  # as the click does
     simple.until("active().active_material and active().active_material.name == 'Synch Corduroy'")
+
+    def is_velvet(picture):
+        """ribs of orange velvet in Solid view"""
+        red, _, blue = (picture[..., channel].astype(int) for channel in range(3))
+        return (red > blue + 50).sum() > 20_000
+
+    keep("look_in_solid", simple.wait_to_see(is_velvet, None))

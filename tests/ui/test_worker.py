@@ -282,8 +282,11 @@ def test_the_child_goes_with_blender(window_of_its_own, end):
     assert ends(number, 1.0 if end == "kill" else PATIENCE)
 
 
-def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, keep):
+@pytest.mark.parametrize("shading", ["SOLID", "MATERIAL"])
+def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, keep, shading):
+    panel.run(f"area().spaces[0].shading.type = {shading!r}")
     add_ball(panel, 7)
+    panel.wait_to_see(lambda picture: True, "WINDOW", still=5)  # shaders are compiled
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
     before = panel.value("state()")
     begin(panel)
@@ -291,7 +294,7 @@ def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, keep
     panel.until(f"{RUNNING}.is_seen")
     time.sleep(1)
     assert stripes_are_seen(panel.picture("WINDOW"))
-    keep("first", panel.picture("WINDOW"))
+    keep(f"first_{shading.lower()}", panel.picture("WINDOW"))
     assert panel.value(f"{RUNNING} is not None") and panel.value("state()") == before
     assert panel.value("active().visible_get() and active().select_get() and len(bpy.data.objects) == 3")
     panel.click("Discard")

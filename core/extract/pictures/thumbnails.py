@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small pictures of a surface and of the patterns on it, from a fixed side.
+"""Small pictures of a surface and of the patterns on it.
 
 The visible triangle at each point of a picture is determined once; patterns are evaluated only there.
 """
@@ -15,8 +15,6 @@ from ...geometry.polygons import Polygons
 from ...graphs import ragged_arange
 from ...interpolate import EdgePhases, evaluate, face_phases
 
-# Direction to the viewer, who stands in front, a little to the right and above; and the upward direction.
-_FROM, _UP = np.array([0.45, -1.0, 0.5]), np.array([0.0, 0.0, 1.0])
 # Points across a pixel, part of the picture that the surface fills, and depth at which dots are still drawn, as part of
 # the picture.
 _FINE, _FILLED, _BEHIND = 2, 0.96, 0.03
@@ -48,13 +46,13 @@ class Seen:
     corners: np.ndarray
 
     @classmethod
-    def of(cls, vertices: np.ndarray, triangles: np.ndarray, pixels: int) -> "Seen":
-        """The visible part of (m, 3) triangles of (n, 3) vertices in a picture of a width in pixels."""
+    def of(cls, vertices: np.ndarray, triangles: np.ndarray, pixels: int, view: np.ndarray) -> "Seen":
+        """The visible part of (m, 3) triangles of (n, 3) vertices in a picture of a width in pixels.
+
+        ``view`` is a (3, 3) map, from which the right, the upwards and the distance towards the viewer come.
+        """
         size = _FINE * pixels
-        towards = _FROM / np.linalg.norm(_FROM)
-        right = np.cross(_UP, towards)
-        right /= np.linalg.norm(right)
-        places = vertices @ np.array([right, np.cross(towards, right), towards]).T
+        places = vertices @ view.T
         low, high = (end(places[np.unique(triangles)], axis=0) for end in (np.min, np.max))
         extent = max((high - low)[:2].max(), np.finfo(float).tiny)
         places = (places - (low + high) / 2) * _FILLED * size / extent

@@ -7,6 +7,7 @@ import re
 import signal
 import time
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -56,15 +57,33 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     loop.run(operator, lambda: work.expected is not None)
     assert work.fraction < 0.1 and re.fullmatch(r"\d+ s(, about \d+ s left)?", work.times)
     work.expected = work.age + 60.0
-    work.fraction = 0.0
+    work.fraction = work._share = 0.0
+    work._reported = 0.0, work.age  # just now
     assert re.fullmatch(r"\d+ s, about (59|60) s left", work.times)
-    assert re.fullmatch(r"0%  [a-z ]+, about (59|60) s left", work.short_line)
+    assert re.fullmatch(r"\d%  [a-z ]+, about (59|60) s left", work.short_line)
     work.expected = None
-    assert re.fullmatch(r"0%  [a-z ]+, \d+ s", work.short_line)
+    assert re.fullmatch(r"\d%  [a-z ]+, \d+ s", work.short_line)
     work._told = work.age, 1e-3  # far less than it will take
     monkeypatch.setitem(Work._paces, work.label, 1.0)
     assert loop.run(operator) == {"FINISHED"}
     assert Work._paces[work.label] > 1.5
+
+
+def test_the_bar_moves_steadily_between_two_reports(monkeypatch):
+    """Where the work tells nothing for a while, as a factorization does, time goes on."""
+    now = [100.0]
+    monkeypatch.setattr(queue_module, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    work = Work(SimpleNamespace(link=None), "Layers")
+    work.begin()
+    work.expected = 10.0
+    shares = []
+    for seconds in np.arange(0.0, 10.01, 0.25):
+        now[0] = 100 + seconds
+        work.fraction = 0.05 if seconds < 1 else 0.2 if seconds < 4 else 0.5 if seconds < 8 else 0.9
+        shares.append(work.share)
+    steps = np.diff(shares)
+    assert steps.min() > 0.002 and steps.max() < 0.27 and steps[:31].min() > 0.006
+    assert shares[0] == 0.05 and 0.9 < shares[-1] < 1
 
 
 def test_a_result_that_memory_cannot_hold_gives_one_line(monkeypatch):

@@ -22,7 +22,7 @@ from ..scenes import make_active, tube
 def about():
     """Seconds that the panel tells, None where it tells none."""
     layout = MagicMock()
-    SYNCH_PT_animation.draw_body(SimpleNamespace(layout=layout), bpy.context)
+    SYNCH_PT_animation.draw(SimpleNamespace(layout=layout), bpy.context)
     texts = [call.kwargs["text"] for call in layout.mock_calls if call[0].endswith("label")]
     found = re.search(r"About (\d+) s", "\n".join(texts))
     return None if found is None else int(found[1])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.looks.presets import PRESETS
 from synch_fields.synch_addon.nodes.materials import pattern_node
 from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 from synch_fields.synch_addon.panels import look
@@ -53,7 +54,28 @@ def test_what_a_preset_leads_to_the_node_is_left_to_it():
     obj = sphere()
     api.preset(obj, "zebra")
     assert "Width" not in drawn(obj) and "Softness" in drawn(obj)
-    assert look.look_of(obj)[2] == 0.5
+    assert look.look_of(obj)[2] == pytest.approx(0.53)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_swatches_of_a_preset_are_its_colours(name, tmp_path):
+    """Green lines on red, as Cycles bakes them; before, each look has colours of its own."""
+    obj = sphere()
+    api.preset(obj, name, spacing=1.0, method="spectral")
+    color, background, _ = look.look_of(obj)
+    assert color != INK_BLUE and background != pytest.approx(WARM_IVORY)
+    sockets = []
+    layout = Layout([])
+    layout.prop = lambda owner, name, **_: sockets.append(owner)
+    look.draw_look(layout, obj)
+    for socket, value in zip(sockets, ((0.0, 0.5, 0.0, 1), (0.5, 0.0, 0.0, 1)), strict=False):
+        socket.default_value = value
+    assert look.look_of(obj)[:2] == ((0.0, 0.5, 0.0, 1), (0.5, 0.0, 0.0, 1))
+    report = api.bake(obj, maps="colour", size=64, samples=1, unwrap=True, folder=str(tmp_path))
+    (entry,) = report["maps"].values()
+    image = bpy.data.images.load(entry["file"])
+    red, green, blue = np.array(image.pixels).reshape(-1, 4)[:, :3].T
+    assert blue.max() < 0.01 and green.max() > 0.2 and red.max() > 0.05
 
 
 def test_other_materials_have_no_look():

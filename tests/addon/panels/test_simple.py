@@ -110,6 +110,12 @@ def test_a_direction_is_what_the_settings_say():
     simple.direction = "OTHER"
     assert stored.guidance == "UV_U"
     stored.guidance, stored.angle = "AXIS", 0.3
+    assert simple.direction == "OTHER"  # as it was chosen
+    for direction in ("AXIS", "CURVATURE", "SMOOTH"):
+        simple.direction = direction
+        stored.angle = 0.3
+        assert simple.direction == direction
+    stored.guidance, stored.angle = "AXIS", 0.0
     assert simple.direction == "OTHER"
 
 

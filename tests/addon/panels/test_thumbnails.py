@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Thumbnails of variations: which there are, what they tell, and that a step makes one."""
 
+import bpy
 import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.panels.thumbnails import MOST, Gallery, _are_alike, galleries
+from synch_fields.synch_addon.panels.thumbnails import FRONT, MOST, PIXELS, Gallery, _are_alike, galleries
 from synch_fields.synch_addon.patterns import memory
 
 from ..scenes import sphere, torus
@@ -57,6 +58,28 @@ def test_variations_that_look_alike_are_one():
         while one.make_next():
             pass
     assert len(alike.made) < len(every.made) == MOST
+
+
+def test_pictures_are_made_again_as_a_turned_view_sees_the_object():
+    """From behind a torus that is half as wide there, its outline is the mirror image of that from the front."""
+    obj = torus()
+    obj.scale.x = 2.0
+    for vertex in obj.data.vertices:
+        vertex.co.z *= 1.0 if vertex.co.x > 0 else 0.5
+    bpy.context.view_layer.update()
+    api.stripes(obj, spacing=0.3)
+    views = {"front": FRONT, "behind": FRONT * [[-1], [1], [-1]]}
+    seen = {}
+    for side, view in views.items():
+        gallery = galleries.of(obj, view @ np.array(obj.matrix_world.to_3x3()))
+        assert not gallery.is_complete
+        while gallery.make_next():
+            pass
+        assert galleries.of(obj, view @ np.array(obj.matrix_world.to_3x3())).is_complete  # it has not turned since
+        seen[side] = np.array([variation.picture[..., 3] > 0 for variation in gallery.made])
+    wide = np.flatnonzero(seen["front"][0].any(axis=1))
+    assert len(wide) < PIXELS / 2 < seen["front"][0].any(axis=0).sum()  # wider than high, as it is scaled
+    assert (seen["behind"][:, :, ::-1] != seen["front"]).mean() < 0.01 < (seen["behind"] != seen["front"]).mean()
 
 
 def test_there_is_a_gallery_for_each_solve_and_none_without_variations():

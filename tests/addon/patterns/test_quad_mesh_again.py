@@ -6,6 +6,7 @@ import bpy
 import pytest
 
 from synch_fields.core.errors import SynchError
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.patterns import memory, quad_mesh
 from synch_fields.synch_addon.patterns.other_settings import shows_other_settings
 from synch_fields.synch_addon.settings.fields import source_of
@@ -122,6 +123,21 @@ def test_the_button_offers_an_update_where_settings_are_others(ball, click, auto
     assert not shows_other_settings(made, "quad_mesh")  # there is nothing to make it of
 
 
+@pytest.mark.parametrize(
+    "settings", [{"faces": 300, "smoothing": 3}, {"spacing": 0.5, "branching": 0.4, "mirror": "Y", "features": 0.0}]
+)
+def test_a_mesh_of_a_script_shows_its_settings_and_is_made_again_with_them(ball, click, settings):
+    made = bpy.data.objects[api.quad_mesh(ball, **settings)["quad_mesh"]["object"]]
+    assert not shows_other_settings(made, "quad_mesh")
+    assert made.synch.faces == settings.get("faces", 0) and made.synch.smoothing == settings.get("smoothing", 10)
+    assert made.synch.mesh_branching == 100 * settings.get("branching", 0.0)
+    assert tuple(made.synch.mirror) == tuple(axis in settings.get("mirror", "") for axis in "XYZ")
+    assert made.synch.automatic_spacing == ("spacing" not in settings)
+    before = snapshot()
+    click("quad_mesh_again", made)
+    assert snapshot() == before
+
+
 def test_an_update_follows_the_directions_that_the_panel_shows(ball, click):
     made = made_of(ball, faces=300)
     ball.synch_simple.direction, ball.synch.guide.axis = "AXIS", "Y"
@@ -217,3 +233,15 @@ def test_errors_select_vertices_of_the_source(ball):
     with pytest.raises(RuntimeError, match="not symmetric in X"):
         bpy.ops.synch.quad_mesh_again(faces=50, mirror=(True, False, False))
     assert ball.data.vertices[far].select and not all(vertex.select for vertex in ball.data.vertices)
+
+
+def test_another_kind_is_made_of_the_quad_mesh_itself(ball, click):
+    made = made_of(ball, faces=300)
+    made.synch_simple.kind, made.synch_simple.lines = "stripes", 8
+    assert source_of(made) is None and not bpy.ops.synch.quad_mesh_again.poll()
+    faces = len(made.data.polygons)
+    click("stripes", made)
+    assert made.synch_simple.kind == "stripes" and len(made.data.polygons) == faces
+    assert memory.holds(made) and not memory.is_outdated(made)
+    made.synch_simple.kind = "quad_mesh"
+    assert source_of(made) == ball and bpy.ops.synch.quad_mesh_again.poll()

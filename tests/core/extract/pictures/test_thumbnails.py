@@ -12,6 +12,8 @@ from synch_fields.core.fields.patterns import PatternWishes, solve_pattern
 from ...meshes import icosphere, mixed_torus
 
 PIXELS = 24
+# From in front, a little to the right and above.
+VIEW = np.array([[0.912, 0.41, 0], [-0.17, 0.377, 0.91], [0.373, -0.83, 0.414]])
 
 
 def met_first(seen):
@@ -32,7 +34,7 @@ def met_first(seen):
 
 @pytest.mark.parametrize("mesh", [icosphere(2), mixed_torus()[0]], ids=["sphere", "torus"])
 def test_what_a_ray_meets_first_is_seen(mesh):
-    seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
+    seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS, VIEW)
     found, depths = met_first(seen)
     np.testing.assert_array_equal(np.sort(seen.points), np.flatnonzero(found >= 0))
     reached = np.einsum("ki,kix->kx", seen.weights, seen.places[mesh.triangles[seen.triangles]])
@@ -45,7 +47,7 @@ def test_what_a_ray_meets_first_is_seen(mesh):
 def test_ink_is_where_lines_are(symmetry):
     mesh = icosphere(3)
     pattern = solve_pattern(mesh, direction_field(mesh, symmetry), PatternWishes(0.6))
-    seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
+    seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS, VIEW)
     ink = seen.ink(pattern.edge_phases)
     at_vertex = seen.weights.max(axis=1) > 0.9
     nearest = mesh.triangles[seen.triangles[at_vertex], seen.weights[at_vertex].argmax(axis=1)]
@@ -57,7 +59,7 @@ def test_ink_is_where_lines_are(symmetry):
 
 def test_dots_are_drawn_where_they_are_not_hidden():
     mesh = icosphere(3)
-    seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
+    seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS, VIEW)
     plain = seen.picture((0, 0, 0), (1, 1, 1), np.zeros(len(seen.points)), [])
     depths = seen.places[mesh.triangles][..., 2].mean(axis=1)
     for triangle, is_seen in ((depths.argmax(), True), (depths.argmin(), False)):
@@ -71,5 +73,5 @@ def test_dots_are_drawn_where_they_are_not_hidden():
 
 
 def test_surfaces_without_extent_have_pictures():
-    flat = Seen.of(np.zeros((3, 3)), np.array([[0, 1, 2]]), PIXELS)
+    flat = Seen.of(np.zeros((3, 3)), np.array([[0, 1, 2]]), PIXELS, VIEW)
     assert np.isfinite(flat.picture((0, 0, 0), (1, 1, 1), np.zeros(len(flat.points)), [([0], (1, 0, 0))])).all()
