@@ -79,11 +79,13 @@ def _are_rungs(
     """(k,) bool: edges of short lines that lead straight across narrow strips between long ones on both sides.
 
     Such a strip is one quad wide, and without the short line its two sides could be shifted against each other. At each
-    end two of the ``longer`` lines must meet, as on the rim of a plate: between short ones, as in slits, there is no
-    room for it.
+    end two of the ``longer`` lines must meet, and no other short one, as on the rim of a plate: in slits and where
+    chamfers meet there is no room for it.
     """
-    met = np.bincount(mesh.edges[edges[longer]].ravel(), minlength=mesh.vertex_count) >= 2
-    rungs = np.bincount(labels, met[mesh.edges[edges]].sum(axis=1) * ~long)[labels] == 2
+    ends, count = mesh.edges[edges], mesh.vertex_count
+    met = np.bincount(ends[longer].ravel(), minlength=count) >= 2
+    met &= np.bincount(ends[~long].ravel(), minlength=count) == 1
+    rungs = np.bincount(labels, met[ends].sum(axis=1) * ~long)[labels] == 2
     if not rungs.any():
         return rungs
     across, _ = find_strips(mesh, edges[long], sides)
