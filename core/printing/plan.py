@@ -270,6 +270,8 @@ def _own_ways(below: Below, above: Below, areas: np.ndarray, volume: float, spac
 def _leaning(lines: Isolines, points: np.ndarray, ranks: np.ndarray, asked: np.ndarray, reach: float) -> np.ndarray:
     """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach."""
     result, here = np.zeros(len(points), bool), np.flatnonzero(asked)
+    if not len(here):
+        return result
     piece, places = divide_pieces(points, points[lines.next], reach / 4)
     tree = cKDTree(places)
     for part in np.array_split(here, len(here) // _BATCH + 1):
