@@ -14,7 +14,7 @@ import numpy as np
 
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.methods.certificate import provable_width
+from synch_fields.core.solve.methods.certificate import plan_proof
 from synch_fields.core.solve.methods.stage import Workspace
 from synch_fields.core.solve.methods.staircase import start_rank
 
@@ -62,7 +62,7 @@ def relaxation_in_products(problem, options):
     """
     problem = with_matrices(problem)
     piece = max(problem.pieces, key=lambda piece: piece.node_count)
-    rank = start_rank(piece, provable_width(piece, options.long_proofs) is not None, options.target_gap)
+    rank = start_rank(piece, plan_proof(piece, options.long_proofs) is not None, options.target_gap)
     columns = np.ones((piece.matrix.shape[0], rank), piece.matrix.dtype)
     spent = {"wall": 0.0, "cpu": 0.0}
     products = []

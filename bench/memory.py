@@ -25,8 +25,8 @@ from synch_fields.core.fields.layers import SolidTargetOneForm, pose_layers
 from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
 from synch_fields.core.geometry.filling.stuffing import fill_surface
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.methods.certificate import provable_width
-from synch_fields.core.solve.methods.memory_estimate import proof_bytes, search_bytes
+from synch_fields.core.solve.methods.certificate import plan_proof
+from synch_fields.core.solve.methods.memory_estimate import search_bytes
 
 SIZES = {
     "stripes 40": (10, 32, 63, 100),
@@ -65,19 +65,19 @@ def measure(name, size):
     with _Watch() as watch:
         solution, seconds = timed(solve, problem, Options())
     piece = max(problem.pieces, key=lambda piece: piece.node_count)
-    width, (rows, entries) = provable_width(piece), (piece.matrix.shape[0], piece.matrix.nnz)
+    plan, (rows, entries) = plan_proof(piece), (piece.matrix.shape[0], piece.matrix.nnz)
     return {
         "nodes": piece.node_count,
         "rows": rows,
         "entries": entries,
-        "front": width,
+        "front": None if plan is None else plan.width,
         "certificate": solution.certificate,
         "rank": solution.rank,
         "seconds": seconds,
         "taken": watch.taken[1],
         "space": watch.taken[0],
         "search": search_bytes(rows, entries, piece.is_complex) / 2**20,
-        "proof": None if width is None else proof_bytes(piece, width) / 2**20,
+        "proof": None if plan is None else plan.bytes / 2**20,
     }
 
 

@@ -31,6 +31,7 @@ from synch_fields.bench.gcode_simulator import (
 from synch_fields.bench.meshes import read_obj
 from synch_fields.bench.solid_shapes import bent_bar, box, cup, curved_shell, ring, solid_bunny
 from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.fields import layers
 from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
@@ -61,6 +62,7 @@ COLUMNS = (
     Column("travels through beads", "through", ".2%"),
     Column("s layers", "solved", ".0f"),
     Column("s program", "planned", ".0f"),
+    Column("of both in the solver", "solver", ".1%"),
 )
 
 
@@ -155,6 +157,7 @@ def solved(name, make, length, height):
 def simulated(meshes, benchy, name):
     """The row of a solid."""
     make, length, height, step = parts(meshes, benchy)[name]
+    in_solver = timed_solver()
     start = process_time()
     surface, layering = solved(name, make, length, height)
     middle, tilts = process_time(), name in ("bent bar", "curved shell", "ring")
@@ -188,7 +191,23 @@ def simulated(meshes, benchy, name):
         "through": float(travels_through(printed, travels).mean()),
         "solved": middle - start,
         "planned": end - middle,
+        "solver": sum(in_solver) / (end - start),
     }
+
+
+def timed_solver():
+    """The list of the CPU seconds that each solve of a field takes from now on in this process."""
+    seconds, solve = [], layers.solve
+
+    def timed(*arguments, **options):
+        start = process_time()
+        try:
+            return solve(*arguments, **options)
+        finally:
+            seconds.append(process_time() - start)
+
+    layers.solve = timed
+    return seconds
 
 
 def places_in(distance):

@@ -2,6 +2,7 @@
 """Connected components and trees of a graph, look-ups, sums by label, ranges of different lengths, nearby points."""
 
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,4 +86,4 @@ def pairs_within(tree: cKDTree, points: np.ndarray, reach: float | np.ndarray) -
     point of the tree of each pair, ascending."""
     found = tree.query_ball_point(points, reach, return_sorted=True)
     rows, _ = ragged_arange(np.array([len(near) for near in found], int))
-    return rows, np.concatenate([np.empty(0, int), *found]).astype(int)
+    return rows, np.fromiter(chain.from_iterable(found), int, len(rows))

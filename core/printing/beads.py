@@ -98,7 +98,7 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
     found = lines, layers, inner.astype(int), halves
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
-    away = _away(lines, layers, step)
+    away = contours = _away(lines, layers, step)
     more = medial_beads(mesh, numbers, medial, away, step)
     for left in reversed(range(_ROUNDS + 1)):
         if more:
@@ -106,15 +106,14 @@ def contour_beads(surfaces: LayerSurfaces, step: float) -> Beads:
             found, away = join_lines([found, added]), _away(added[0], added[1], step, away)
         if not left:
             break
-        gaps = away(mesh.vertices, at)
-        far = (gaps > REACH * step) & _is_large(mesh, gaps > REACH * step, np.isinf(gaps), _TIP * step**2)
+        gaps = away(mesh.vertices, at, (1 + 1e-9) * REACH * step) > REACH * step
+        far = gaps & _is_large(mesh, gaps, ~np.isin(at, found[1]), _TIP * step**2)
         more = beads_through(mesh, numbers, far, step)
         if not more:
             break
     lines, layers, kinds, halves = found
-    return Beads(
-        lines, layers, kinds, *share_area(mesh, numbers, lines, layers, (kinds == _GAP)[lines.numbers], halves, step)
-    )
+    is_gap = (kinds == _GAP)[lines.numbers]
+    return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, layers, is_gap, halves, step, contours))
 
 
 def plane_beads(surfaces: LayerSurfaces, values: np.ndarray, step: float) -> Beads:
@@ -133,8 +132,10 @@ def _without_crowded(
     """Lines and their layers without long parts that lie beside :func:`level_pieces` which one bead fills."""
     begins, ends, of, ways = level
     near = ways < _CROWDED
-    dropped = BeadDistances(begins[near], ends[near], of[near], step)(lines.points, layers[lines.numbers])
-    long = cut_lines(lines, dropped < (_CROWDED + _OTHER) * step, _LONG * step)[2]
+    beside = (_CROWDED + _OTHER) * step
+    distances = BeadDistances(begins[near], ends[near], of[near], step)
+    dropped = distances.nearest(lines.points, layers[lines.numbers], beside)[0]
+    long = cut_lines(lines, dropped < beside, _LONG * step)[2]
     kept = np.ones(len(dropped), bool)
     kept[long] = False
     lines, numbers, _ = cut_lines(lines, kept, step)
@@ -151,7 +152,9 @@ def _moved_apart(
     """Contours beside :func:`level_pieces` in the middle between these and the next contours, and half their widths."""
     begins, ends, of, ways = level
     halves = np.full(len(lines.triangles), step / 2)
-    away, nearest = BeadDistances(begins, ends, of, step).nearest(lines.points, layers[lines.numbers])
+    away, nearest = BeadDistances(begins, ends, of, step).nearest(
+        lines.points, layers[lines.numbers], (0.5 + _OTHER) * step
+    )
     way = np.where(nearest >= 0, ways[nearest], 1.0) if len(ways) else np.ones(len(halves))
     moved = np.flatnonzero((way >= _CROWDED) & (way < 0.5) & (away < (way + _OTHER) * step))
     if not len(moved):

@@ -55,10 +55,10 @@ class BeadDistances:
         at = np.column_stack([points, self._apart * layers])
         self._tree = cKDTree(at, balanced_tree=False, compact_nodes=False) if len(points) else None
 
-    def __call__(self, points: np.ndarray, layers: np.ndarray) -> np.ndarray:
-        """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead."""
-        own = self.nearest(points, layers)[0]
-        return own if self._others is None else np.minimum(own, self._others(points, layers))
+    def __call__(self, points: np.ndarray, layers: np.ndarray, within: float = np.inf) -> np.ndarray:
+        """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead, and from ``within`` on."""
+        own = self.nearest(points, layers, within)[0]
+        return own if self._others is None else np.minimum(own, self._others(points, layers, within))
 
     def nearest(self, points: np.ndarray, layers: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
         """The same, and (n,) the piece that is nearest, -1 for none; infinite also from the distance ``within`` on."""
@@ -78,6 +78,7 @@ def share_area(
     is_gap: np.ndarray,
     halves: np.ndarray,
     step: float,
+    contours: BeadDistances | None = None,
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Share the area of layers, with the (t,) numbers of a mesh's triangles, out to the beads whose sides are nearest
     to it.
@@ -88,6 +89,7 @@ def share_area(
     is_gap : (n,) bool, points of beads that fill gaps
     halves : (n,) distance from the middle at which the sides of beads are wanted
     step : between beads
+    contours : distances to the lines that fill no gap, where they are there already
 
     Returns
     -------
@@ -101,9 +103,9 @@ def share_area(
     found, piece = np.full(len(samples), np.inf), np.full(len(samples), -1)
     # Places count that are nearer to where a side is wanted than half a step, or in the widest bead.
     within = COVERED * WIDEST * step + halves.max(initial=0)
-    for rows in (np.flatnonzero(~is_gap), np.flatnonzero(is_gap)):
+    for rows, known in ((np.flatnonzero(~is_gap), contours), (np.flatnonzero(is_gap), None)):
         if len(rows):
-            away = BeadDistances(points[rows], points[following[rows]], of[rows], step)
+            away = known or BeadDistances(points[rows], points[following[rows]], of[rows], step)
             distances, nearest = away.nearest(samples, layers[triangle], within)
             over = distances - halves[rows[nearest]]
             better = over < found

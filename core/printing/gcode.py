@@ -279,11 +279,7 @@ class _Moves:
         stations = np.column_stack([places, np.radians(angles) * reach])
         tolerance = min(machine.tolerance * course.step, 0.4 * machine.deviation)
         begins = np.append(np.flatnonzero(first), len(first))
-        chosen = [
-            a + simplify_moves(along[a:b] - along[a], stations[a:b], _sections(along[a:b], filled[a:b]), tolerance)
-            for a, b in pairwise(begins.tolist())
-        ]
-        kept = np.concatenate(chosen)
+        kept = simplify_moves(along, stations, filled, begins, tolerance)
         deviation = tip_deviation(points, angles, places, kept, bead, machine)
         points, angles, places, along, filled, sizes = (
             values[kept] for values in (points, angles, places, along, filled, sizes)
@@ -344,11 +340,6 @@ def _between(values: np.ndarray, spans: np.ndarray, shares: np.ndarray) -> np.nd
     following = np.minimum(spans + 1, len(values) - 1)
     shares = shares.reshape(-1, *[1] * (values.ndim - 1))
     return values[spans] + shares * (values[following] - values[spans])
-
-
-def _sections(along: np.ndarray, filled: np.ndarray) -> np.ndarray:
-    ways = np.diff(along)
-    return np.diff(filled) / np.where(ways > 0, ways, 1)
 
 
 def _tops(places: np.ndarray, machine: Machine) -> np.ndarray:

@@ -23,6 +23,8 @@ _SIZE, _MOST = 0.75, 1_000_000
 # A layer does not lie on itself within this many spacings: its triangles around the point are not below it.
 _ITSELF = 0.3
 _SLACK, _ON_LAYER = 1e-9, 1e-6
+# Spheres around triangles are wider by this, for rounding; trees have triangles of sizes within this factor.
+_WIDER, _SIZES = 1e-6, 2.0
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,8 @@ def _search(
     layer_of = np.concatenate([label[parents] for label, (_, parents) in zip(labels, sides, strict=True)])
     a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh, _ in sides]), 1, 0)
     centres = (a + b + c) / 3
-    around = np.sqrt(np.max([np.square(corner - centres).sum(axis=1) for corner in (a, b, c)]))
-    tree = cKDTree(centres)
+    squares = np.max([np.square(corner - centres).sum(axis=1) for corner in (a, b, c)], axis=0)
+    trees = _trees_by_size(centres, squares)
     heights = np.full(len(points), depth * spacing)
     found = np.full(len(points), NOTHING)
     going, stride = np.arange(len(points)), _STRIDE * spacing
@@ -85,7 +87,20 @@ def _search(
         middles = points[going] - (number + 0.5) * stride * normals[going]
         for part in np.array_split(np.arange(len(going)), max(1, len(going) // 4096)):
             rays = going[part]
-            which, targets = pairs_within(tree, middles[part], stride / 2 + around)
+            pairs = []
+            for own, tree, around in trees:
+                which, targets = pairs_within(tree, middles[part], stride / 2 + around)
+                targets = own[targets]
+                # Of spheres around triangles, rays meet few.
+                away = centres[targets] - points[rays[which]]
+                along = np.einsum("kx,kx->k", away, -normals[rays[which]])
+                aside = np.einsum("kx,kx->k", away, away) - along**2
+                near = aside <= (1 + _WIDER) * squares[targets] + (_WIDER * spacing) ** 2
+                near &= along <= (number + 1) * stride + (1 + _WIDER) * around
+                pairs.append((which[near], targets[near]))
+            which, targets = map(np.concatenate, zip(*pairs, strict=True))
+            order = np.lexsort((targets, which))
+            which, targets = which[order], targets[order]
             distances = _distances(points[rays[which]], -normals[rays[which]], a[targets], b[targets], c[targets])
             kinds = layer_of[targets]
             outward = np.einsum(
@@ -102,6 +117,16 @@ def _search(
             heights[rays[which[order]]], found[rays[which[order]]] = np.maximum(distances[order], 0), kinds[order]
         going = going[found[going] == NOTHING]
     return Below(heights, found)
+
+
+def _trees_by_size(centres: np.ndarray, squares: np.ndarray) -> list[tuple[np.ndarray, cKDTree, float]]:
+    """Triangles of about one size, the tree of their centres, and their largest radius: a few large ones do not widen
+    the search for all."""
+    radii = np.sqrt(squares)
+    largest = radii.max(initial=0)
+    size = np.minimum(np.log(np.maximum(largest, 1e-300) / np.maximum(radii, 1e-300)) / np.log(_SIZES), 3).astype(int)
+    groups = [np.flatnonzero(size == one) for one in np.unique(size)]
+    return [(own, cKDTree(centres[own]), float(radii[own].max())) for own in groups]
 
 
 def _distances(points: np.ndarray, directions: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import block_diag, csc_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
+from ..graphs import ragged_arange
 from .machine import Machine
 
 # Near upright the table may keep its turn: over a way of this, in millimetres, over the sine of the tilt, turns are
@@ -200,34 +201,54 @@ def _off(
     return off
 
 
-def simplify_moves(along: np.ndarray, stations: np.ndarray, sections: np.ndarray, tolerance: float) -> np.ndarray:
-    """(m,) the points of a bead, with both ends, between which straight moves stay near it (Ramer, Douglas and Peucker,
-    with both ways at the same share of the length).
+def simplify_moves(
+    along: np.ndarray, stations: np.ndarray, filled: np.ndarray, begins: np.ndarray, tolerance: float
+) -> np.ndarray:
+    """(m,) the points of beads, with their ends, between which straight moves stay near them (Ramer, Douglas and
+    Peucker, with both ways at the same share of the length).
 
     Parameters
     ----------
-    along : (k,) length of the bead up to each point
+    along : (k,) length of the way up to each point of all beads
     stations : (k, d) the machine's axes there, in which moves are straight, all as lengths
-    sections : (k - 1,) of the bead between points
+    filled : (k,) volume of the beads up to each point
+    begins : (b + 1,) where each bead begins
     tolerance : sum of the distances along the axes below which a point can be left out; 0 keeps all
     """
-    kept, spans = np.zeros(len(along), bool), [(0, len(along) - 1)]
-    kept[[0, -1]] = True
-    volumes = np.append(0.0, np.cumsum(sections * np.diff(along)))
-    while spans:
-        first, last = spans.pop()
-        length = along[last] - along[first]
-        if last - first < 2:
-            continue
-        shares = (along[first + 1 : last] - along[first]) / (length or 1.0)
-        straight = stations[first] + shares[:, None] * (stations[last] - stations[first])
-        away = np.abs(stations[first + 1 : last] - straight).sum(axis=1)
-        mean = (volumes[last] - volumes[first]) / (length or 1.0)
-        split = first + 1 + int(away.argmax())
-        if away.max() < tolerance:
-            if np.abs(sections[first:last] - mean).max() <= SECTION * mean:
-                continue
-            split = (first + last) // 2
+    ways = np.diff(along)
+    sections = np.diff(filled) / np.where(ways > 0, ways, 1)
+    along = along - np.repeat(along[begins[:-1]], np.diff(begins))
+    ways = np.diff(along)
+    volumes = np.concatenate(
+        [
+            np.append(0.0, np.cumsum(sections[first:last] * ways[first:last]))
+            for first, last in zip(begins[:-1].tolist(), (begins[1:] - 1).tolist(), strict=True)
+        ]
+    )
+    kept = np.zeros(len(along), bool)
+    first, last = begins[:-1], begins[1:] - 1
+    kept[first] = kept[last] = True
+    while len(first := first[long := last - first > 1]):
+        last = last[long]
+        lengths = along[last] - along[first]
+        lengths[lengths == 0] = 1.0
+        row, inner = ragged_arange(last - first - 1)
+        inner += first[row] + 1
+        shares = (along[inner] - along[first[row]]) / lengths[row]
+        straight = stations[first[row]] + shares[:, None] * (stations[last[row]] - stations[first[row]])
+        away = np.abs(stations[inner] - straight).sum(axis=1)
+        starts = np.searchsorted(row, np.arange(len(first)))
+        worst = np.maximum.reduceat(away, starts)
+        # The first of several points that are as far.
+        found = np.flatnonzero(away == worst[row])
+        split = inner[found[np.searchsorted(row[found], np.arange(len(first)))]]
+        mean = (volumes[last] - volumes[first]) / lengths
+        row, piece = ragged_arange(last - first)
+        unlike = np.abs(sections[first[row] + piece] - mean[row])
+        is_near = worst < tolerance
+        is_even = np.maximum.reduceat(unlike, np.searchsorted(row, np.arange(len(first)))) <= SECTION * mean
+        split = np.where(is_near, (first + last) // 2, split)[~(is_near & is_even)]
         kept[split] = True
-        spans += [(first, split), (split, last)]
+        first, last = first[~(is_near & is_even)], last[~(is_near & is_even)]
+        first, last = np.append(first, split), np.append(split, last)
     return np.flatnonzero(kept)

@@ -22,7 +22,7 @@ from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
 from .order import carrying_pairs, count_levels, layer_order, order_lines
 from .overlaps import find_overlaps
-from .ramps import Sheets, split_lines
+from .ramps import Sheets, lie_upon_themselves, split_lines
 from .reach import collisions, tilts, tool_axes
 
 KINDS = (WALL, INNER, GAP, SPARSE)
@@ -186,7 +186,14 @@ def print_plan(
     """
     lines, widths, layers, kinds = beads.lines, beads.widths, beads.layers, beads.kinds
     sheets, count, flat = layers, surfaces.count, is_flat(surfaces)
-    ramps = None if flat else Sheets.find(surfaces, solid, spacing)
+
+    def look(side: int) -> Below:
+        search = flat_below if flat else below
+        return search(surfaces, solid, lines.points, side * lines.normals, layers[lines.numbers], spacing)
+
+    found = look(1)
+    is_stack = flat or not lie_upon_themselves(layers[lines.numbers], found.layers, count).any()
+    ramps = None if is_stack else Sheets.find(surfaces, solid, spacing)
     if ramps is not None:
         numbers = lines.numbers
         lines, sheets, points = split_lines(lines, ramps.at(lines), step)
@@ -196,9 +203,8 @@ def print_plan(
             ramps.layers[sheets],
             len(ramps.layers),
         )
-    at = layers[lines.numbers]
-    look = flat_below if flat else below
-    found, over = (look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1))
+        found = found.at(points)
+    over = look(-1)
     lower = found.layers if ramps is None else ramps.below(lines.points, lines.normals, found)
     carried, carrying = carrying_pairs(sheets[lines.numbers], lower, count)
     order = layer_order(count, carried, carrying)
@@ -270,6 +276,8 @@ def _own_ways(below: Below, above: Below, areas: np.ndarray, volume: float, spac
 def _leaning(lines: Isolines, points: np.ndarray, ranks: np.ndarray, asked: np.ndarray, reach: float) -> np.ndarray:
     """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach."""
     result, here = np.zeros(len(points), bool), np.flatnonzero(asked)
+    if not len(here):
+        return result
     piece, places = divide_pieces(points, points[lines.next], reach / 4)
     tree = cKDTree(places)
     for part in np.array_split(here, len(here) // _BATCH + 1):

@@ -55,8 +55,7 @@ class Sheets:
         apart = 1e3 * (1 + np.abs(vertices).max(initial=0))
         foot = cKDTree(np.column_stack([vertices, apart * layers]))
         found = below(surfaces, solid, vertices, mesh.vertex_normals, layers, spacing)
-        upper, lower = carrying_pairs(layers, found.layers, surfaces.count)
-        around = _in_circles(upper, lower, surfaces.count)
+        around = lie_upon_themselves(layers, found.layers, surfaces.count)
         if not around.any():
             return None
         carried = np.flatnonzero(found.layers >= 0)
@@ -87,8 +86,10 @@ class Sheets:
         return np.where(found.layers >= 0, self.of[feet], found.layers)
 
 
-def _in_circles(carried: np.ndarray, carrying: np.ndarray, count: int) -> np.ndarray:
-    """(count,) bool: layers that lie upon themselves, or upon others that lie upon them."""
+def lie_upon_themselves(layers: np.ndarray, lower: np.ndarray, count: int) -> np.ndarray:
+    """(count,) bool: layers that lie upon themselves, or upon others that lie upon them, by (n,) layers of places and
+    what lies below these."""
+    carried, carrying = carrying_pairs(layers, lower, count)
     graph = coo_matrix((np.ones(len(carried)), (carried, carrying)), shape=(count, count))
     group = connected_components(graph, connection="strong")[1]
     around = np.bincount(group)[group] > 1

@@ -23,7 +23,7 @@ class ProgramWriter:
         self._plain = "G94 " if self._is_timed else ""
         self._place, self._angles, self._is_home = np.zeros(3), np.zeros(len(self._letters)), True
         self._drawn, self._total, self._written = False, 0.0, 0.0
-        self._last_z, self._kind, self._size = "", "", np.full(2, np.inf)
+        self._last_z, self._kind, self._width, self._height = "", "", 0.0, 0.0
 
     def travel(
         self, place: np.ndarray, angles: np.ndarray, top: float, is_same_layer: bool, reach: float, clearance: float
@@ -39,7 +39,7 @@ class ProgramWriter:
                     *self._rapid(place, angles)]  # fmt: skip
         distance = np.linalg.norm(place - self._place)
         turned = np.radians(np.abs(angles - self._angles).max(initial=0))
-        is_level = clearance <= _LEVEL * self._size[1]
+        is_level = clearance <= _LEVEL * self._height
         if is_same_layer and is_level and distance <= machine.hop and turned * reach < 2 * machine.lift:
             return self._rapid(place, angles)
         up = np.array([0, 0, machine.lift + (clearance if np.isfinite(clearance) else 0)])
@@ -72,11 +72,12 @@ class ProgramWriter:
         """Moves along a bead, and comments where its width and height change."""
         rows, shown = [], points if self._is_tcp else places
         for place, turned, amount, feed, size in zip(
-            shown.tolist(), angles.tolist(), filament.tolist(), feeds.tolist(), sizes, strict=True
+            shown.tolist(), angles.tolist(), filament.tolist(), feeds.tolist(), sizes.tolist(), strict=True
         ):
-            if (np.abs(size - self._size) > _LIKE * self._size).any() or np.isinf(self._size[0]):
-                self._size = size
-                rows += [f";WIDTH:{size[0]:.3f}", f";HEIGHT:{size[1]:.3f}"]
+            width, height = size
+            if abs(width - self._width) > _LIKE * self._width or abs(height - self._height) > _LIKE * self._height:
+                self._width, self._height = size
+                rows += [f";WIDTH:{width:.3f}", f";HEIGHT:{height:.3f}"]
             words = self._words(place, turned)
             rows.append(f"{'G93 ' if self._is_timed else ''}G1 {words} {self._extruded(amount)} F{feed:.6g}")
         if len(places):

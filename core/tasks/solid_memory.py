@@ -2,9 +2,8 @@
 """Estimate of the memory that layers take, before the solid is made: from the measures of its surface.
 
 Peaks were measured in processes of their own, for balls, cubes, bars, plates and two meshes of 15,000 to 220,000
-tetrahedra, on one core and on two (bench/README.md). A proof takes as much as its factors have entries. In solids, the
-front of an elimination is about a section across the longest extent; in flat solids good orders of elimination have
-fewer entries than that.
+tetrahedra, on one core and on two (bench/README.md). A proof takes as much as the dense blocks of its factorization,
+which grow with the square of the front: about a section across the longest extent.
 """
 
 from typing import NamedTuple
@@ -13,22 +12,20 @@ from ..algebra.workers import WORKERS
 from ..extract.layers.crossings import BYTES_PER_CROSSING
 from ..geometry.filling.lengths import SOLVED_BYTES, Lengths, Measures
 from ..geometry.filling.stuffing import estimated_bytes, estimated_tets
-from ..solve.methods.certificate import takes_long
-from ..solve.methods.memory_estimate import is_solid_front
+from ..solve.methods.certificate import LONGEST_ELIMINATION
 
 # Bytes for each tetrahedron where the phase is integrated; where it is searched for, and while a bound is proved, both
-# on one core and on several (True), which do both at a time; and for each entry of the factors of a proof.
-_INTEGRATED, _ENTRY = 1250, 43
-_SEARCHED, _PROVING = {False: 2100, True: 2600}, {False: 1400, True: 2000}
+# on one core and on several (True), which do both at a time.
+_INTEGRATED = 1250
+_SEARCHED, _PROVING = {False: 2100, True: 2600}, {False: 1800, True: 2800}
 # Crossings of levels with edges in each cube of the lattice, for each of its sizes in the spacing.
 _CROSSINGS = 6.3
 # Vertices in each cube, and more at each square of the surface; entries of a row of the matrix.
 _INSIDE, _AT_SURFACE, _ROW_ENTRIES = 2.0, 1.3, 13.4
 # Nodes of a front for each square of a section, and for each side of a square around the section.
 _FRONT = 1.8
-# Entries of factors for each row and each square of a section, and the power of the solid's flatness with which they
-# grow: shortest by longest extent over the square of the middle one.
-_FILL, _FLATNESS = 2.7, 0.2
+# Bytes of dense blocks for each square of a front, and of a matrix for each row; products for each cube of a front.
+_BLOCKS, _ROW, _PRODUCTS = 110, 1080, 6
 
 
 class LayerMemory(NamedTuple):
@@ -77,14 +74,13 @@ def layer_memory(measures: Measures, lengths: Lengths, searched: bool = True, te
 
 
 def _proof_bytes(measures: Measures, size: float) -> float:
-    """Bytes of a factorization; 0 where none is tried, and for surfaces that enclose no body: moments of inertia of
+    """Bytes of a proof; 0 where none is tried, and for surfaces that enclose no body: moments of inertia of
     open surfaces and of surfaces inside out can be negative, and extents are then 0."""
-    longest, middle, shortest = measures.extents
+    longest, _, shortest = measures.extents
     if not shortest > 0:
         return 0.0
     rows = _INSIDE * measures.volume / size**3 + _AT_SURFACE * measures.area / size**2
     section, rim = measures.volume / longest / size**2, measures.area / longest / size
     front = _FRONT * (section + rim)
-    if takes_long(front, _ROW_ENTRIES, is_solid_front(rows, front), True):
-        return 0.0
-    return _ENTRY * _FILL * (shortest * longest / middle**2) ** _FLATNESS * section * rows
+    is_tried = _PRODUCTS * front**3 <= LONGEST_ELIMINATION * _ROW_ENTRIES * rows
+    return _BLOCKS * front**2 + _ROW * rows if is_tried else 0.0

@@ -85,11 +85,11 @@ def test_a_solve_is_refused_before_it_begins(monkeypatch):
 def test_a_proof_that_does_not_fit_is_not_tried(monkeypatch):
     problem = direction_problem(icosphere(3), 2)
     (piece,) = problem.pieces
-    width = certificate.provable_width(piece)
-    for more, expected in ((1, width), (-1, None)):
-        size = proof_bytes(piece, width) + more
-        monkeypatch.setattr(certificate, "room", leaving(size))
-        assert certificate.provable_width(piece) == expected
+    plan = certificate.plan_proof(piece)
+    assert plan.bytes == proof_bytes(piece, plan.width)
+    for more, expected in ((1, plan), (-1, None)):
+        monkeypatch.setattr(certificate, "room", leaving(plan.bytes + more))
+        assert certificate.plan_proof(piece) == expected
     assert solve(problem).certificate == "estimated"
 
 
@@ -134,7 +134,7 @@ u, v = u * np.pi / 60, v * np.pi / 30
 reach = 2 + np.cos(v) * (1 + 0.3 * np.sin(3 * u))
 mesh = TriangleMesh(np.column_stack([reach * np.cos(u), reach * np.sin(u), np.sin(v)]), triangles)
 problem = direction_problem(mesh, 4)
-staircase.provable_width = lambda *_: None
+staircase.plan_proof = lambda *_: None
 _, taken = bytes_taken(lambda: solve(problem, Options(target_gap=0.05)))
 print(taken / connection_bytes(mesh.vertex_count, len(mesh.edges), 1, True))
 """

@@ -19,22 +19,24 @@ from scipy.linalg import eigh
 from ...algebra.blocks import block_diagonal, on_rows, times, traces, with_diagonal
 from ...algebra.factorization import front_width, is_positive_definite
 from ...algebra.metric import Metric
+from ...algebra.multifrontal import Elimination, is_definite
 from ...algebra.products import Matrix
 from ...algebra.reductions import Reductions
 from ...errors import SynchError
 from ...memory import room
 from ...monitor import Monitor
 from ...piece import Piece
-from .memory_estimate import is_solid_front, proof_bytes
+from .memory_estimate import elimination_bytes, is_solid, is_solid_front, proof_bytes
 from .stage import Workspace
 
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex (True)
 # or real numbers: some ten seconds.
 LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
-# In solids no order of elimination is much better than a sweep: a proof takes as long as about rows * width^2 /
-# (25 nnz) products of L with all columns (measured, within a factor of 2, from 6k to 30k rows), against some 400 for
-# the relaxation. It is tried up to a thousand.
-LONGEST_SWEEP = 25_000
+# In solids, a factorization by columns takes as long as about rows * width^2 / (25 nnz) products of L with all columns
+# (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation, and is tried up to a
+# thousand. One by dense blocks is tried up to so many multiplications for each entry of L, which take as long as the
+# relaxation; it has no fewer than the cube of the front.
+LONGEST_SWEEP = LONGEST_ELIMINATION = 25_000
 # Rounding error of a row in a factorization, in units of the diagonal's last digit, for each row of a front.
 ROUNDINGS = 4
 # Rows up to which the search space for negative directions is kept in double precision.
@@ -195,18 +197,45 @@ class _Space:
         return self._reductions.sum((vectors @ other.conj()).conj())
 
 
-def provable_width(piece: Piece, long_proofs: bool = False) -> int | None:
-    """Rows of the widest front if a proof by factorization is affordable in memory and, unless ``long_proofs`` is set,
-    in time; otherwise None."""
-    rows = piece.matrix.shape[0]
-    if not piece.reductions.is_whole or (rows > LARGEST_PROOF and not long_proofs):
+@dataclass(frozen=True)
+class ProofPlan:
+    """How a bound is proved: rows of the widest front, bytes of memory, and in solids the order of elimination."""
+
+    width: int
+    bytes: int
+    elimination: Elimination | None = None
+
+
+def plan_proof(piece: Piece, long_proofs: bool = False) -> ProofPlan | None:
+    """The :class:`ProofPlan` of a piece; None where a proof by factorization is not affordable in memory or, unless
+    ``long_proofs`` is set, in time."""
+    if not _may_be_proved(piece, long_proofs):
         return None
     width: int = front_width(piece.matrix)
-    is_solid = is_solid_front(piece.node_count, width / piece.block)
-    is_long = takes_long(width, piece.matrix.nnz / rows, is_solid, piece.is_complex)
+    most = np.inf if long_proofs else LONGEST_ELIMINATION * piece.matrix.nnz
+    if is_solid(piece, width) and width**3 <= most:
+        elimination = Elimination.of(piece.matrix)
+        size = elimination_bytes(piece, elimination.entries)
+        if elimination.products <= most and size <= room().usable:
+            return ProofPlan(width, size, elimination)
+    return None if provable_width(piece, long_proofs) is None else ProofPlan(width, proof_bytes(piece, width))
+
+
+def provable_width(piece: Piece, long_proofs: bool = False) -> int | None:
+    """Rows of the widest front if a factorization by columns is affordable in memory and, unless ``long_proofs`` is
+    set, in time; otherwise None."""
+    if not _may_be_proved(piece, long_proofs):
+        return None
+    width: int = front_width(piece.matrix)
+    is_solid_sweep = is_solid_front(piece.node_count, width / piece.block)
+    is_long = takes_long(width, piece.matrix.nnz / piece.matrix.shape[0], is_solid_sweep, piece.is_complex)
     if (is_long and not long_proofs) or proof_bytes(piece, width) > room().usable:
         return None
     return width
+
+
+def _may_be_proved(piece: Piece, long_proofs: bool) -> bool:
+    return piece.reductions.is_whole and (long_proofs or piece.matrix.shape[0] <= LARGEST_PROOF)
 
 
 def takes_long(width: float, row_entries: float, is_solid: bool, is_complex: bool) -> bool:
@@ -214,16 +243,18 @@ def takes_long(width: float, row_entries: float, is_solid: bool, is_complex: boo
     return width > WIDEST_PROOF[is_complex] or (is_solid and width**2 > LONGEST_SWEEP * row_entries)
 
 
-def prove(piece: Piece, shift: float, duals: np.ndarray, depth: float, width: int) -> bool:
-    """Whether S + depth A is positive definite, by the inertia of a factorization in double precision.
+def prove(piece: Piece, shift: float, duals: np.ndarray, depth: float, plan: ProofPlan) -> bool:
+    """Whether S + depth A is positive definite, by a factorization in double precision.
 
     The rounding error is subtracted from the diagonal first: it grows with the number of entries in a row of L, and
-    with the length of a factor's column, at most the ``width`` of the fronts.
+    with the entries of a factor, at most the width of the fronts in a column.
     """
     added = with_diagonal(-on_rows(duals, piece.block), depth * shift * piece.row_mass)
-    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + ROUNDINGS * width)
+    lost = ROUNDINGS * plan.width if plan.elimination is None else plan.elimination.rounding
+    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + lost)
     added = with_diagonal(added, -hidden * piece.matrix.diagonal().real)
+    matrix = piece.matrix * (1 + depth) + block_diagonal(added)
     try:
-        return is_positive_definite(piece.matrix * (1 + depth) + block_diagonal(added))
-    except SynchError:  # not enough memory
+        return is_positive_definite(matrix) if plan.elimination is None else is_definite(matrix, plan.elimination)
+    except (SynchError, MemoryError):
         return False

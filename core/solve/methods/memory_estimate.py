@@ -18,6 +18,8 @@ _SEARCH = {True: (3000, 100), False: (1500, 80)}
 # fronts fill in (measured there: 26 to 57, complex).
 _PROOF = {True: 5, False: 3}
 _SOLID_PROOF = {True: 45, False: 27}
+# Bytes of the matrix whose definiteness a factorization by dense blocks shows, for each entry.
+_ELIMINATED = 80
 # In solids, fronts have more nodes than this multiple of the root of all nodes (on surfaces at most 4.04 was measured),
 # or rows have more blocks: 7 on surfaces, 11 to 15 between tetrahedra.
 SURFACE_FRONT, SURFACE_ROW = 4.1, 10.0
@@ -35,10 +37,20 @@ def connection_bytes(nodes: int, edges: int, block: int, is_complex: bool) -> in
 
 
 def proof_bytes(piece: Piece, width: int) -> int:
-    """Additional bytes of a factorization whose widest front has ``width`` rows."""
-    rows, nodes, block = piece.matrix.shape[0], piece.node_count, piece.block
-    is_solid = is_solid_front(nodes, width / block) or piece.matrix.nnz > SURFACE_ROW * nodes * block**2
-    return int((_SOLID_PROOF if is_solid else _PROOF)[piece.is_complex] * rows * width)
+    """Additional bytes of a factorization by columns whose widest front has ``width`` rows."""
+    bytes_of_entry = (_SOLID_PROOF if is_solid(piece, width) else _PROOF)[piece.is_complex]
+    return int(bytes_of_entry * piece.matrix.shape[0] * width)
+
+
+def elimination_bytes(piece: Piece, entries: int) -> int:
+    """Additional bytes of a factorization by dense blocks with so many entries at a time, and of its matrix."""
+    return entries * piece.matrix.dtype.itemsize + _ELIMINATED * piece.matrix.nnz
+
+
+def is_solid(piece: Piece, width: int) -> bool:
+    """Whether fronts, the widest with ``width`` rows, or rows of a piece have more nodes than on a surface."""
+    nodes, block = piece.node_count, piece.block
+    return is_solid_front(nodes, width / block) or piece.matrix.nnz > SURFACE_ROW * nodes * block**2
 
 
 def is_solid_front(nodes: float, width: float) -> bool:

@@ -20,11 +20,11 @@ from ...memory import room
 from ...monitor import Monitor, OutOfTime, Running
 from ...piece import Piece
 from ...solution import Certificate, Clock, Options
-from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
+from .certificate import ProofPlan, depth_for_bound, lower_bound, measure_slack, plan_proof, prove
 from .descent import Descent, Memory, descend, rounding_noise
 from .initial_field import coarse_field
 from .manifolds import principal
-from .memory_estimate import proof_bytes, search_bytes
+from .memory_estimate import search_bytes
 from .stage import Workspace
 
 # The constants were chosen by the number of products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
@@ -138,7 +138,7 @@ class _Search:
         self._random = np.random.default_rng(options.seed)
         piece, stage = workspace.piece, workspace.stages[0]
         with clock("relax"):
-            self._width = provable_width(piece, options.long_proofs)
+            self._plan = plan_proof(piece, options.long_proofs)
             if start is None:
                 rank = start_rank(piece, self._is_provable, target_gap)
                 self.point = _coarse_start(workspace, rank, self._random, monitor)
@@ -158,7 +158,7 @@ class _Search:
 
     @property
     def _is_provable(self) -> bool:
-        return self._width is not None
+        return self._plan is not None
 
     def descend(self, tolerance: float) -> None:
         """Descend to a tolerance in the metric of the point, in double precision where single is not enough."""
@@ -241,12 +241,12 @@ class _Search:
 
     def _prove(self, depth: float, meanwhile: Meanwhile | None = None) -> bool:
         """Whether the bound of a depth can be proved; it then becomes the bound."""
-        if self._width is None:
+        if self._plan is None:
             return False
         piece = self._workspace.piece
-        proof = partial(prove, piece, self._shift, self._duals, depth, self._width)
+        proof = partial(prove, piece, self._shift, self._duals, depth, self._plan)
         bound = lower_bound(piece, self._shift, self._duals, depth)
-        if meanwhile is None or not self._has_room_for_both(self._width):
+        if meanwhile is None or not self._has_room_for_both(self._plan):
             with self._clock("certify"):
                 is_proved = self._monitor.during(proof)
         else:
@@ -260,11 +260,11 @@ class _Search:
             self.bound, self.certificate = bound, Certificate.PROVED
         return is_proved
 
-    def _has_room_for_both(self, width: int) -> bool:
+    def _has_room_for_both(self, plan: ProofPlan) -> bool:
         """Whether there is memory for a proof and the search for phases at the same time."""
         piece = self._workspace.piece
         rows, entries = piece.matrix.shape[0], piece.matrix.nnz
-        both = search_bytes(rows, entries, piece.is_complex) + proof_bytes(piece, width)
+        both = search_bytes(rows, entries, piece.is_complex) + plan.bytes
         return both <= room().usable
 
     def _add_columns(self, directions: np.ndarray) -> None:

@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from synch_fields.core.algebra.factorization import is_positive_definite
+from synch_fields.core.algebra.multifrontal import Elimination
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.guidance.solids import axis_directions
@@ -14,7 +15,14 @@ from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Certificate, Options, solve
 from synch_fields.core.solve.methods import certificate, spectral
-from synch_fields.core.solve.methods.certificate import lower_bound, measure_slack, provable_width, prove
+from synch_fields.core.solve.methods.certificate import (
+    ProofPlan,
+    lower_bound,
+    measure_slack,
+    plan_proof,
+    provable_width,
+    prove,
+)
 from synch_fields.core.solve.methods.descent import descend
 from synch_fields.core.solve.methods.manifolds import Lifted, random_columns
 from synch_fields.core.solve.methods.stage import Workspace
@@ -39,6 +47,12 @@ def dense_depth(piece, shift, duals):
     """Smallest t with S + t A >= 0, by dense generalized eigenvalues."""
     slack = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
     return -eigh(slack, piece.matrix.toarray() + shift * np.diag(piece.row_mass), eigvals_only=True)[0]
+
+
+def proof_plans(piece):
+    """By columns, as on surfaces, and by dense blocks, as in solids."""
+    rows = len(piece.mass)
+    return ProofPlan(rows, 0), ProofPlan(rows, 0, Elimination.of(piece.matrix))
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
@@ -78,26 +92,34 @@ def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
     for piece in build().pieces:
         _, shift, _, duals, _ = rough_point(piece, steps)
         exact = dense_depth(piece, shift, duals)
-        assert prove(piece, shift, duals, 1.01 * exact + 1e-7, len(piece.mass))
-        if exact > 1e-5:
-            assert not prove(piece, shift, duals, 0.99 * exact, len(piece.mass))
-        assert not prove(piece, shift, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0), len(piece.mass))
+        for plan in proof_plans(piece):
+            assert prove(piece, shift, duals, 1.01 * exact + 1e-7, plan)
+            if exact > 1e-5:
+                assert not prove(piece, shift, duals, 0.99 * exact, plan)
+            assert not prove(piece, shift, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0), plan)
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
 def test_what_rounding_may_hide_is_taken_off_before_a_matrix_counts_as_definite(build, monkeypatch):
-    """An eps for each entry of a row, and four for each entry of the longest column of the factor."""
+    """An eps for each entry of a row, and four for each entry of the longest column of the factor, or what the order of
+    dense blocks says."""
     seen = []
     monkeypatch.setattr(certificate, "is_positive_definite", lambda matrix: seen.append(matrix) or True)
+    monkeypatch.setattr(certificate, "is_definite", lambda matrix, _: seen.append(matrix) or True)
     for piece in build().pieces:
         shift, width, depth = 0.5, 1000, 0.25
         duals = np.zeros(len(piece.mass))
-        assert prove(piece, shift, duals, depth, width)
-        taken = piece.matrix.diagonal() * (1 + depth) + depth * shift * piece.row_mass - seen.pop().diagonal()
-        entries = np.diff(piece.matrix.indptr)
-        expected = np.finfo(float).eps * (entries + 4 * width) * piece.matrix.diagonal().real
-        rounding = 4 * np.finfo(float).eps * ((1 + depth) * np.abs(piece.matrix.diagonal()) + shift * piece.row_mass)
-        assert (np.abs(taken.real - expected) <= rounding).all() and (expected > 100 * rounding).all()
+        lost = 4000.0 + np.arange(piece.matrix.shape[0])
+        order = Elimination.of(piece.matrix)
+        object.__setattr__(order, "rounding", lost)
+        for plan, more in ((ProofPlan(width, 0), 4 * width), (ProofPlan(width, 0, order), lost)):
+            assert prove(piece, shift, duals, depth, plan)
+            taken = piece.matrix.diagonal() * (1 + depth) + depth * shift * piece.row_mass - seen.pop().diagonal()
+            entries = np.diff(piece.matrix.indptr)
+            expected = np.finfo(float).eps * (entries + more) * piece.matrix.diagonal().real
+            scale = (1 + depth) * np.abs(piece.matrix.diagonal()) + shift * piece.row_mass
+            rounding = 4 * np.finfo(float).eps * scale
+            assert (np.abs(taken.real - expected) <= rounding).all() and (expected > 100 * rounding).all()
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
@@ -139,21 +161,46 @@ def test_multipliers_sum_to_the_value():
     assert duals.sum() == pytest.approx(value, rel=1e-12)
 
 
-def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
-    """On a surface of 5,800 nodes, in a solid of 2,200, but not in one of 15,600, whose factor fills in."""
+def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix(monkeypatch):
+    """By columns on a surface of 5,800 nodes, by dense blocks in solids of 2,200 and 15,600 up to so many products for
+    each entry of the matrix; beyond, by columns in the smaller one."""
     narrow = direction_problem(torus(around=120, across=48), 4).pieces[0]
-    assert provable_width(narrow) < 4 * np.sqrt(narrow.node_count)
-    for side, is_provable in ((12, True), (24, False)):
+    plan = plan_proof(narrow)
+    assert plan.elimination is None and plan.width == provable_width(narrow) < 4 * np.sqrt(narrow.node_count)
+    for side, by_columns in ((12, True), (24, False)):
         solid = block((side,) * 3)
         (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
-        assert (provable_width(piece) is not None) == is_provable
+        products = plan_proof(piece).elimination.products
+        assert (provable_width(piece) is not None) == by_columns
+        for most, is_tried in ((products / piece.matrix.nnz + 1, True), (products / piece.matrix.nnz - 1, by_columns)):
+            with monkeypatch.context() as context:
+                context.setattr(certificate, "LONGEST_ELIMINATION", most)
+                plan = plan_proof(piece)
+                assert (plan is not None) == is_tried
+                assert not is_tried or (plan.elimination is None) == (most < products / piece.matrix.nnz)
+                assert plan_proof(piece, long_proofs=True).elimination is not None
+
+
+def test_a_bound_in_a_solid_is_proved_by_dense_blocks():
+    """It is the bound that a factorization by columns proves."""
+    solid = block((9, 8, 7), (1.3, 1, 1))
+    problem = layer_problem(solid, np.tile([0.3, 0.2, 1.0], (solid.vertex_count, 1)) / 1.1, 0.2)
+    (piece,) = problem.pieces
+    assert plan_proof(piece).elimination is not None
+    solution = solve(problem)
+    assert solution.certificate is Certificate.PROVED
+    with pytest.MonkeyPatch.context() as context:
+        context.setattr(certificate, "LONGEST_ELIMINATION", 0)
+        by_columns = solve(problem)
+    assert by_columns.certificate is Certificate.PROVED
+    assert (solution.lower_bound, solution.energy) == (by_columns.lower_bound, by_columns.energy)
 
 
 def test_proofs_are_tried_up_to_a_number_of_rows_and_that_included(monkeypatch):
     (piece,) = direction_problem(torus(around=24, across=12), 4).pieces
     for most, is_provable in ((piece.matrix.shape[0], True), (piece.matrix.shape[0] - 1, False)):
         monkeypatch.setattr(certificate, "LARGEST_PROOF", most)
-        assert (provable_width(piece) is not None) == is_provable
+        assert (provable_width(piece) is not None) == (plan_proof(piece) is not None) == is_provable
 
 
 def test_fronts_count_in_nodes_where_each_has_two_rows(monkeypatch):
@@ -165,7 +212,7 @@ def test_fronts_count_in_nodes_where_each_has_two_rows(monkeypatch):
         mesh.vertex_count, mesh.edges, np.ones(len(flips)), circle_transports(np.zeros(len(flips)), flips)
     )
     (piece,) = SynchronizationProblem(connection).pieces
-    assert piece.block == 2 and provable_width(piece) is not None
+    assert piece.block == 2 and plan_proof(piece).elimination is None
 
 
 def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Definiteness by dense blocks, against dense linear algebra and elimination row by row."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, coo_matrix, csr_matrix, diags_array, eye_array
+
+from synch_fields.core.algebra import multifrontal
+from synch_fields.core.algebra.multifrontal import Elimination, is_definite
+
+from ..layered_solids import block
+from ..meshes import torus
+
+
+def laplacian(count, edges, is_complex, seed=0):
+    """A connection Laplacian with random weights and transports."""
+    random = np.random.default_rng(seed)
+    weights = random.uniform(0.5, 2, len(edges))
+    values = -weights * np.exp(1j * random.uniform(0, 2 * np.pi, len(edges))) if is_complex else -weights
+    both = np.append(values, values.conj()), np.concatenate([edges.T, edges[:, ::-1].T], axis=1)
+    return (
+        coo_matrix(both, shape=(count, count)) + diags_array(np.bincount(edges.ravel(), np.repeat(weights, 2), count))
+    ).tocsr()
+
+
+def solid_matrix(counts, is_complex=True):
+    """Of a block of tetrahedra."""
+    solid = block(counts)
+    return laplacian(solid.vertex_count, solid.edges, is_complex)
+
+
+def hub_matrix():
+    """A solid whose nodes are all joined to one more."""
+    solid = block((8, 7, 6))
+    spokes = np.column_stack([np.arange(solid.vertex_count), np.full(solid.vertex_count, solid.vertex_count)])
+    return laplacian(solid.vertex_count + 1, np.concatenate([solid.edges, spokes]), True)
+
+
+MATRICES = {
+    "a solid": lambda: solid_matrix((9, 8, 7)),
+    "a solid, real": lambda: solid_matrix((9, 8, 7), is_complex=False),
+    "a bar": lambda: solid_matrix((60, 3, 2)),
+    "a surface": lambda: laplacian(720, torus(around=36, across=20).edges, True),
+    "several pieces": lambda: csr_matrix(block_diag([solid_matrix((6, 5, 5)), solid_matrix((3, 3, 3)), eye_array(9)])),
+    "a hub": hub_matrix,
+    "few rows": lambda: solid_matrix((2, 1, 1)),
+    "no edges": lambda: csr_matrix(eye_array(300)),
+}
+
+
+@pytest.mark.parametrize("name", MATRICES)
+def test_matrices_are_definite_exactly_where_their_lowest_eigenvalue_is_positive(name):
+    matrix = MATRICES[name]()
+    elimination = Elimination.of(matrix)
+    lowest = float(np.linalg.eigvalsh(matrix.toarray())[0])
+    for shift, expected in ((1e-9, True), (-1e-9, False), (1.0, True), (-0.5, False)):
+        assert is_definite((matrix + (shift - lowest) * eye_array(matrix.shape[0])).tocsr(), elimination) is expected
+
+
+@pytest.mark.parametrize("width", [1, 7, 500])
+def test_panels_and_strips_of_any_width_say_the_same(width, monkeypatch):
+    monkeypatch.setattr(multifrontal, "_PANEL", width)
+    monkeypatch.setattr(multifrontal, "_STRIP", 2 * width + 1)
+    matrix = solid_matrix((7, 6, 5))
+    lowest = float(np.linalg.eigvalsh(matrix.toarray())[0])
+    for shift in (1e-9, -1e-9):
+        shifted = (matrix + (shift - lowest) * eye_array(matrix.shape[0])).tocsr()
+        assert is_definite(shifted, Elimination.of(matrix)) is (shift > 0)
+
+
+def test_a_row_without_a_diagonal_is_not_definite():
+    matrix = solid_matrix((5, 5, 5)).tolil()
+    matrix[17, 17] = 0
+    assert not is_definite(matrix.tocsr(), Elimination.of(matrix.tocsr()))
+    matrix[17, 17] = np.nan
+    assert not is_definite(matrix.tocsr(), Elimination.of(matrix.tocsr()))
+
+
+def factor_pattern(matrix, order):
+    """(n, n) bool: entries of the Cholesky factor by elimination row by row."""
+    pattern = matrix.toarray()[np.ix_(order, order)] != 0
+    for row in range(len(order)):
+        later = row + 1 + np.flatnonzero(pattern[row + 1 :, row])
+        pattern[np.ix_(later, later)] = True
+    return np.tril(pattern)
+
+
+@pytest.mark.parametrize("name", MATRICES)
+def test_blocks_reach_the_rows_that_elimination_row_by_row_fills_in(name):
+    matrix = MATRICES[name]()
+    elimination = Elimination.of(matrix)
+    order, starts = elimination.order, elimination.starts
+    assert sorted(order) == list(range(matrix.shape[0]))
+    exact = factor_pattern(matrix, order)
+    filled = np.zeros_like(exact)
+    for start, end, reach in zip(starts, starts[1:], elimination.reaches, strict=False):
+        changed = np.flatnonzero(exact[end:, start:end].any(axis=1)) + end
+        assert set(changed) <= set(reach) and (name == "several pieces" or len(changed) == len(reach))
+        filled[np.ix_(np.append(np.arange(start, end), reach), np.arange(start, end))] = True
+    filled = np.tril(filled)
+    counts = filled.sum(axis=0)
+    assert elimination.products == pytest.approx(
+        (counts.astype(float) ** 2).sum() / 2, rel=0.1 if len(order) > 99 else 0.5
+    )
+    # An entry takes as many products as the earlier of its rows has entries in the factor.
+    terms = filled.sum(axis=1) + 4
+    both = filled | filled.T
+    expected = (both * np.minimum.outer(np.arange(len(order)), np.arange(len(order))).astype(int)).astype(int)
+    sums = np.where(both, terms[expected], 0).sum(axis=1)
+    assert elimination.rounding[order].tolist() == sums.tolist()
+
+
+def test_rounding_errors_are_smaller_than_their_bound():
+    """In single precision, where they can be seen: of a matrix whose lowest eigenvalue is what may be hidden."""
+    matrix = solid_matrix((9, 8, 7)).astype(np.complex64)
+    elimination, diagonal = Elimination.of(matrix), matrix.diagonal().real
+    hidden = np.finfo(np.float32).eps * elimination.rounding * diagonal
+    scaled = diags_array(diagonal**-0.5) @ matrix.astype(complex) @ diags_array(diagonal**-0.5)
+    lowest = float(np.linalg.eigvalsh(scaled.toarray())[0])
+    # Just not definite: nothing that is taken off may leave it looking definite.
+    shifted = matrix.astype(complex) - diags_array((lowest + 1e-7) * diagonal)
+    assert not is_definite((shifted - diags_array(hidden)).tocsr().astype(np.complex64), elimination)
+    assert hidden.max() < 0.1 * diagonal.max()
+
+
+def test_orders_of_solids_take_fewer_products_than_sweeps_and_the_memory_of_dense_blocks():
+    solid = block((20, 20, 20))
+    matrix = laplacian(solid.vertex_count, solid.edges, True)
+    elimination = Elimination.of(matrix)
+    sweep = matrix.shape[0] * 441.0**2 / 2
+    assert elimination.products < sweep / 2
+    is_definite(matrix[:50, :50], Elimination.of(matrix[:50, :50]))
+    tracemalloc.start()
+    assert is_definite((matrix + eye_array(matrix.shape[0])).tocsr(), elimination)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    estimated = 16 * elimination.entries + 80 * matrix.nnz
+    assert 0.5 * estimated < peak < 1.2 * estimated

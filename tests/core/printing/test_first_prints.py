@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What once kept parts from being printed, each by its name, without Blender."""
+
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from synch_fields.bench.solid_shapes import cup
+from synch_fields.core.errors import SettingError
+from synch_fields.core.extract.layers.surfaces import layer_surfaces
+from synch_fields.core.fields.guidance.filled import along_axis
+from synch_fields.core.fields.layers import solve_layers
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.filling.lengths import MOST_TETS, Lengths
+from synch_fields.core.printing.heights import below
+from synch_fields.core.printing.machine import read_machine
+from synch_fields.core.solve import Certificate, Options, Status
+from synch_fields.core.tasks.layer_outputs import Layering, PathSettings
+from synch_fields.core.tasks.solids import SolidGuide, SolidRequest
+
+from ..layered_solids import bent_bar
+from ..meshes import cube, icosphere
+from ..tasks.test_layer_requests import closed, flattened
+
+ALONG_Z = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 1.0])), is_axis=True)
+
+
+def request_along_z(mesh, spacing, size=None):
+    """Layers in tetrahedra of a size, or of the automatic one."""
+    surface = closed(mesh)
+    return SolidRequest(surface, None, ALONG_Z, (), Lengths.of(surface.distance, spacing, size), None, Options())
+
+
+def planned(result, step, machine):
+    """The plan of beads of a result."""
+    layering = Layering(result.pattern, result.surfaces, result.curves, np.eye(4))
+    return layering.paths(PathSettings(step, machine=machine)).solve()
+
+
+def test_a_cube_of_20_mm_is_solved_in_layers_of_a_fifth_of_a_millimetre():
+    """It was refused for its 325 million tetrahedra."""
+    mesh = cube(2)
+    request = request_along_z(TriangleMesh(20 * mesh.vertices, mesh.triangles), 0.2)
+    assert request.estimate.tets < MOST_TETS / 20 and request.lengths.divisions > 1
+    result = request.solve()
+    heights = result.surfaces.vertices[result.surfaces.triangles[:, 0], 2]
+    assert result.surfaces.count == 100
+    middles = 20 * mesh.vertices[:, 2].min() + 0.2 * (np.arange(100) + 0.5)
+    assert np.abs(heights - middles[result.surfaces.layers]).max() < 1e-5
+
+
+@pytest.mark.parametrize("mesh", [cube(2), icosphere(2), flattened(3, 1, 0.5)], ids=["cube", "ball", "bar"])
+def test_fields_along_an_axis_are_proved_without_a_search(mesh):
+    """Their energy is 0; they once took 301 iterations."""
+    solution = request_along_z(mesh, 0.2, 0.1).solve().pattern.solution
+    assert (solution.iterations, solution.products) == (0, 0) and solution.energy < 1e-12
+    assert solution.certificate is Certificate.PROVED and solution.status is Status.CERTIFIED
+
+
+def test_an_upright_cup_is_printed_whole():
+    """A fifth of its volume once had no bead."""
+    vertices, faces, *_ = cup()
+    triangles = np.array([(face[0], *two) for face in faces for two in pairwise(face[1:])])
+    mesh = TriangleMesh(20 / np.ptp(vertices, axis=0).max() * np.asarray(vertices), triangles)
+    request = request_along_z(mesh, 1.2, 0.6)
+    machine = replace(read_machine("marlin"), bore=0.0, largest_height=2.0)
+    plan = planned(request.solve(), 1.5, machine)
+    assert plan.printed_volume == pytest.approx(request.surface.distance.volume, rel=0.02)
+    assert plan.covered_share > 0.99
+
+
+def test_a_layer_without_height_is_refused_and_not_dragged_over_the_bed():
+    """A layer that lies on the bed with nothing below it: the nozzle once moved along it at Z = 0."""
+    mesh = cube(2)
+    request = request_along_z(mesh, 0.45, 0.2)
+    plan = planned(request.solve(), 0.3, read_machine("marlin"))
+    assert plan.course.heights[np.concatenate(plan.course.runs)].min() > 0
+    flat = replace(plan, down=0 * plan.down, up=0 * plan.up)
+    with pytest.raises(SettingError, match=r"^no bead has a height: the layers lie on the bed"):
+        _ = flat.course
+
+
+def test_distances_that_are_told_hold_for_rays_from_layer_to_layer():
+    """In a bar whose layers fan out and end inside; rays beside the ends of layers count as what is not told."""
+    mesh, around = bent_bar((6, 30, 4), 1, 2, 1.5, 0.6)
+    pattern = solve_layers(mesh, around, 0.2)
+    surfaces, told = layer_surfaces(pattern.edge_phases, pattern.heights), pattern.spacings
+    found = below(surfaces, mesh, surfaces.vertices, surfaces.mesh.vertex_normals, _layer_of_vertices(surfaces), 0.2)
+    between = found.layers >= 0
+    weights, heights = surfaces.mesh.vertex_masses[between], found.heights[between]
+    inside = (heights > 0.97 * told.thinnest) & (heights < 1.03 * told.thickest)
+    assert told.counted < 1 and told.counted * 0.98 - 0.05 < weights[inside].sum() / weights.sum()
+    assert weights[heights < told.mean / 2].sum() < 0.02 * weights.sum()
+
+
+def _layer_of_vertices(surfaces):
+    layers = np.zeros(len(surfaces.vertices), int)
+    layers[surfaces.triangles] = surfaces.layers[:, None]
+    return layers
