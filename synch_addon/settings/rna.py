@@ -122,7 +122,9 @@ def _shown(record: Setting, value: Any) -> Any:
     """A setting's value as its property has it."""
     if record.choices:
         return identifier_of(value) if isinstance(value, str) else set(map(identifier_of, value))
-    return 100 * value if record.unit == SHARE and record.most == 1 else value
+    if record.unit == SHARE and record.most == 1:
+        return 100 * value
+    return min(max(value, -(2**31)), 2**31 - 1) if isinstance(value, int) else value  # as long as Blender's integers
 
 
 def _plain(record: Setting, value: Any) -> Any:

@@ -234,7 +234,9 @@ def _object(obj):
         "active slot": obj.active_material_index,
         "modifiers": [modifier.name for modifier in obj.modifiers],
         "groups": [group.name for group in obj.vertex_groups],
-        "properties": {key: str(getattr(value, "name", value)) for key, value in obj.items() if key != "synch"},
+        "properties": {
+            key: str(getattr(value, "name", value)) for key, value in obj.items() if not key.startswith("synch")
+        },
     }
 
 
