@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from synch_fields.core.solve import semidefinite
 from synch_fields.core.solve.methods import rounding
 
 TESTS = Path(__file__).parent
@@ -18,8 +17,6 @@ EACH = {"blender", "looks", "nodes", "operators", "panels"}
 # Rooms that are about the search for fields: there it is as long as for users. So it is in files and tests with one of
 # these marks, and in child processes. Elsewhere it has this share of the usual number of tries.
 SEARCHED, MARKS, FEW, USUAL = ("core/algebra", "core/solve", "bench"), ("full_search", "slow"), 0.2, rounding._effort
-# Elsewhere a field that is rounded from the relaxation counts as good with this gap, from which it descends.
-TIGHT, TIGHT_FOR_USERS = 0.5, semidefinite.NEARLY_TIGHT
 # CPU seconds of the files that take SHORT or more without slow tests, as `--measure` writes them; of the others, bytes
 # of a file for each second.
 TABLE, SHORT, BYTES_PER_SECOND = TESTS / "seconds.txt", 2.0, 8_000
@@ -96,7 +93,6 @@ def set_search(request):
     is_full = is_full or any(request.node.get_closest_marker(mark) for mark in MARKS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rounding, "_effort", USUAL if is_full else lambda size: FEW)
-        patch.setattr(semidefinite, "NEARLY_TIGHT", TIGHT_FOR_USERS if is_full else TIGHT)
         yield
 
 

@@ -172,7 +172,6 @@ def test_thin_cores_in_files_are_found_and_warned_of(tmp_path, core, is_thin):
     assert (report["tubes"]["pieces"] > 3) == is_thin
 
 
-@pytest.mark.full_search
 def test_where_there_is_no_filament_a_circulation_is_named_that_gives_one(tmp_path):
     write_npz(tmp_path / "ring.npz")
     report = clebsch(tmp_path / "ring.npz", quantum=2.0)

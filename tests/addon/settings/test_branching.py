@@ -256,7 +256,6 @@ def test_settings_without_them_are_those_of_before():
     assert dislocations(pattern) == before
 
 
-@pytest.mark.full_search
 @pytest.mark.parametrize("command", ["stripes", "quads"])
 def test_a_favourite_of_another_branching_comes_back_with_it(command):
     obj = hills()
