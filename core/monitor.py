@@ -170,10 +170,12 @@ def seconds_left(passed: float, fraction: float, expected: float | None = None) 
     """Estimate the seconds that work still takes; None if that is unknown.
 
     At first the ``expected`` total counts; from the middle of the work on, or when so much time has passed, only the
-    share of the work that is done; never a very small share.
+    share of the work that is done. Before the expected time is over, a small share of the work counts little.
     """
     if expected is None:
         return passed * (1 / fraction - 1) if fraction > _TELLING else None
-    weight = min(max(2 * fraction, passed / expected), _TELLS_TOTAL * fraction, 1)
+    weight = min(max(2 * fraction, passed / expected), 1)
+    if passed < expected:
+        weight = min(weight, _TELLS_TOTAL * fraction)
     total = expected ** (1 - weight) * (passed / fraction) ** weight if fraction > 0 else expected
     return max(total - passed, 0.0)

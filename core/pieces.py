@@ -18,7 +18,7 @@ from .piece import NOISE, PERFECT, Piece
 class Pieces:
     """The connected pieces with at least one row of the factor, each made when first used.
 
-    Without a factor (:meth:`with_factor`) they only know their rows.
+    Without a factor (:meth:`with_factor`) only sizes, rows and scales are available.
 
     Parameters
     ----------

@@ -161,7 +161,7 @@ class SynchronizationProblem:
         return twin
 
     def adopt(self, other: "SynchronizationProblem") -> bool:
-        """Take what another problem knows if only angles of transports between nodes differ; tell whether so."""
+        """Take what another problem knows if only angles of transports between nodes differ; return whether it did."""
         if (self.fibre, self.connection.node_count, self.connection.transports.shape) != (
             other.fibre,
             other.connection.node_count,

@@ -20,6 +20,8 @@ _LANDMARKS, _DIMENSIONS = 9, 3
 def dissect(matrix: csr_matrix) -> np.ndarray:
     """Number the block of each row, (n,), in the order in which blocks are eliminated; hubs are in the last one."""
     count = matrix.shape[0]
+    if count == 0:
+        return np.empty(0, int)
     tails, heads = np.repeat(np.arange(count), np.diff(matrix.indptr)), matrix.indices
     last = hubs(matrix)
     places, tails, heads = _places(matrix, np.flatnonzero(~last)), tails[tails < heads], heads[tails < heads]
@@ -40,7 +42,7 @@ def dissect(matrix: csr_matrix) -> np.ndarray:
         waiting[_cover(ends)] = False
         group[waiting] = 2 * group[waiting] + side[waiting]
         depth += 1
-    # Blocks end with the last leaf that they may have; of those that end together the deeper one comes first.
+    # Postorder of the tree of groups: both halves before the rows that separate them.
     levels = np.frexp(group.astype(float))[1] - 1
     keys = ((group + 1) << (depth - levels)) * (depth + 2) - levels
     keys[last] = keys.max(initial=0) + 1
@@ -107,7 +109,7 @@ def _cover(pairs: np.ndarray) -> np.ndarray:
     mates = maximum_bipartite_matching(graph, perm_type="column")
     partners = np.full(len(right), -1)
     partners[mates[mates >= 0]] = np.flatnonzero(mates >= 0)
-    # What alternating ways reach from rows without a mate: the other rows of the left and these of the right suffice.
+    # Koenig: the rows of the left that alternating paths from unmatched ones do not reach, and of the right that they do.
     reached, seen = mates < 0, np.zeros(len(right), bool)
     while True:
         new = np.zeros(len(right), bool)

@@ -60,7 +60,7 @@ class Elimination:
 
     @property
     def parents(self) -> np.ndarray:
-        """(b,) the block that each leaves its rest to, -1 for none."""
+        """(b,) the parent of each block in the elimination tree, -1 for a root."""
         owner = np.repeat(np.arange(len(self.reaches)), self.sizes[0])
         return np.array([owner[reach[0]] if len(reach) else -1 for reach in self.reaches], int)
 
@@ -89,8 +89,8 @@ class Elimination:
 
         If the factorization of A runs to its end in floating-point numbers, A + E is positive semidefinite with
         |E_ij| <= (r + 4) eps sqrt(a_ii a_jj), r the entries of the earlier row of the factor (Demmel 1989; Higham 2002,
-        Theorem 10.5; twice the unit roundoff stands for complex products and terms of second order). These are added
-        over the entries that the factor has in rows and columns (Gershgorin, after scaling by the diagonal).
+        Theorem 10.5; twice the unit roundoff leaves room for terms of second order), for real numbers. Row sums of
+        these bounds, over the pattern of R + R^H (Gershgorin, after scaling by the diagonal).
         """
         own, later = self.sizes
         block = np.repeat(np.arange(len(own)), own)
@@ -120,16 +120,22 @@ def is_definite(matrix: csr_matrix, elimination: Elimination) -> bool:
         entries = slice(pointers[start], pointers[end])
         inner = np.repeat(np.arange(end - start), np.diff(pointers[start : end + 1]))
         later = heads[entries] >= start
-        front[inner[later], np.searchsorted(rows, heads[entries][later])] = data[entries][later]
+        columns = heads[entries][later]
+        at = np.searchsorted(rows, columns)
+        if (rows[np.minimum(at, len(rows) - 1)] != columns).any():
+            raise ValueError("the matrix has entries outside of the elimination's pattern")
+        front[inner[later], at] = data[entries][later]
         while waiting[block]:
             rest, those = waiting[block].pop()
             at = np.searchsorted(rows, those)
             for strip in range(0, len(at), _STRIP):
                 front[np.ix_(at[strip : strip + _STRIP], at[strip:])] += rest[strip : strip + _STRIP, strip:]
+            del rest
         if not _eliminate(front, end - start):
             return False
         if len(reach):
             waiting[parents[block]].append((front[end - start :, end - start :].copy(), reach))
+        del front
     return True
 
 

@@ -108,18 +108,14 @@ def is_unchanged(obj, given):
     """Whether the object still has the positions, faces and scale of a :class:`MeshInput`."""
     if len(obj.data.vertices) != given.vertex_count:
         return False
-    # Faces and places determine the triangles, except where another shape than the mesh's own is measured.
-    has_keys = measured_key(obj) is not None
-    now, then = read_polygons(obj, with_triangles=has_keys), given.polygons
+    now, then = read_polygons(obj), given.polygons
     with np.errstate(invalid="ignore"):  # vertices that are not finite are kept
         places = finite_places(measured_places(obj) @ given.stretch.T)
     if not (np.array_equal(places, given.uncut.vertices[: given.vertex_count]) and has_faces(now, given)):
         return False
-    if has_keys:
-        drawn = now.triangle_corners[then.drawn[now.triangle_faces]]
-        if not np.array_equal(np.sort(drawn, axis=1), np.sort(then.triangle_corners, axis=1)):
-            return False
-    return np.array_equal(_stretch(obj), given.stretch)
+    drawn = now.triangle_corners[then.drawn[now.triangle_faces]]
+    is_drawn_alike = np.array_equal(np.sort(drawn, axis=1), np.sort(then.triangle_corners, axis=1))
+    return is_drawn_alike and np.array_equal(_stretch(obj), given.stretch)
 
 
 def has_faces(polygons, given):
@@ -225,7 +221,7 @@ def split_faces(obj, faces, doubles):
             triangle = edited.faces.new(vertices, face)
             for loop in triangle.loops:
                 loop.copy_from(source[loop.vert])
-        old += [face] if new else []
+        old += [face] if new or len(loops) > 3 else []
     bmesh.ops.delete(edited, geom=old, context="FACES_ONLY")
     old_corners = [loop[corner] for face in edited.faces for loop in face.loops]
     edited.loops.layers.int.remove(corner)

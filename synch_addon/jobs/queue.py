@@ -184,7 +184,7 @@ class Work:
     @property
     def _left(self):
         """Seconds left, where that can be told, and at least one."""
-        left = seconds_left(self.age, self.share, self.expected)
+        left = seconds_left(self.age, self.fraction, self.expected)
         return left if left is not None and left >= 1 else None
 
     @property

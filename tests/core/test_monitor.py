@@ -16,7 +16,8 @@ from synch_fields.core.monitor import seconds_left
         (10.0, 0.25, 40.0, 30.0),  # as expected
         (10.0, 0.25, 160.0, 70.0),  # 40 s by its progress: the geometric mean, 80, counts
         (40.0, 0.1, 40.0, 360.0),  # a busy machine
-        (10.0, 0.01, 10.0, 10 * 100**0.1 - 10),  # a hundredth tells hardly anything
+        (9.0, 0.01, 10.0, 10**0.9 * 900**0.1 - 9),  # a hundredth tells hardly anything
+        (30.0, 0.01, 10.0, 2970.0),  # but is all there is when the expected time is over
         (30.0, 0.5, 600.0, 30.0),
         (30.0, 0.75, 600.0, 10.0),
         (10.0, 0.5, None, 10.0),

@@ -35,7 +35,7 @@ LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
 # In solids, a factorization by columns takes as long as about rows * width^2 / (25 nnz) products of L with all columns
 # (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation, and is tried up to a
 # thousand. One by dense blocks is tried up to so many multiplications for each entry of L, which take as long as the
-# relaxation; it has no fewer than the cube of the front.
+# relaxation; it has at least a sixth of the cube of the front.
 LONGEST_SWEEP = LONGEST_ELIMINATION = 25_000
 # Rounding error of a row in a factorization, in units of the diagonal's last digit, for each row of a front.
 ROUNDINGS = 4
@@ -213,7 +213,8 @@ def plan_proof(piece: Piece, long_proofs: bool = False) -> ProofPlan | None:
         return None
     width: int = front_width(piece.matrix)
     most = np.inf if long_proofs else LONGEST_ELIMINATION * piece.matrix.nnz
-    if is_solid(piece, width) and width**3 <= most:
+    # Multipliers of frames fill blocks of the diagonal, where L may have no entries.
+    if piece.width == 1 and is_solid(piece, width) and width**3 / 6 <= most:
         elimination = Elimination.of(piece.matrix)
         size = elimination_bytes(piece, elimination.entries)
         if elimination.products <= most and size <= room().usable:
@@ -247,12 +248,17 @@ def prove(piece: Piece, shift: float, duals: np.ndarray, depth: float, plan: Pro
     """Whether S + depth A is positive definite, by a factorization in double precision.
 
     The rounding error is subtracted from the diagonal first: it grows with the number of entries in a row of L, and
-    with the entries of a factor, at most the width of the fronts in a column.
+    with the entries of a factor, at most the width of the fronts in a column. An inner product of complex numbers is
+    one of real numbers of twice the length for each part: its error is sqrt(2) times as large.
     """
-    added = with_diagonal(-on_rows(duals, piece.block), depth * shift * piece.row_mass)
+    multipliers = on_rows(duals, piece.block)
+    added = with_diagonal(-multipliers, depth * shift * piece.row_mass)
     lost = ROUNDINGS * plan.width if plan.elimination is None else plan.elimination.rounding
-    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + lost)
-    added = with_diagonal(added, -hidden * piece.matrix.diagonal().real)
+    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + lost) * (np.sqrt(2) if piece.is_complex else 1.0)
+    # At least the diagonal of the matrix that is factorized.
+    own = multipliers if multipliers.ndim == 1 else np.einsum("nii->ni", multipliers).ravel()
+    diagonal = (1 + depth) * piece.matrix.diagonal().real + depth * shift * piece.row_mass + np.maximum(-own.real, 0)
+    added = with_diagonal(added, -hidden * diagonal)
     matrix = piece.matrix * (1 + depth) + block_diagonal(added)
     try:
         return is_positive_definite(matrix) if plan.elimination is None else is_definite(matrix, plan.elimination)

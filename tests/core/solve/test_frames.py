@@ -25,6 +25,7 @@ from ..frame_graphs import (
     random_edges,
     random_frames,
 )
+from ..layered_solids import block
 
 TIGHT = Options(target_gap=1e-6)
 
@@ -252,3 +253,15 @@ def test_gradients_are_the_slopes_along_moves(spheres, columns):
 
     slopes = (8 * (energies(1e-3) - energies(-1e-3)) - (energies(2e-3) - energies(-2e-3))) / 12e-3
     np.testing.assert_allclose(2 * spheres.inner(gradient, tangent), slopes, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_bounds_of_frames_with_signs_as_transports_are_proved(size):
+    """Their multipliers fill blocks of the diagonal where the matrix has no entries."""
+    solid = block((8, 7, 6))
+    random = np.random.default_rng(size)
+    signs = np.eye(size) * random.choice([-1.0, 1.0], (len(solid.edges), size))[:, None, :]
+    connection = Connection(solid.vertex_count, solid.edges, np.ones(len(solid.edges)), signs)
+    solution = solve(SynchronizationProblem(connection, fibre=Fibre.ORTHOGONAL))
+    assert solution.certificate is Certificate.PROVED
+    assert solution.lower_bound <= solution.energy

@@ -31,13 +31,13 @@ def collapse_quads(
     ----------
     quads : all faces are quads
     mesh : the surface
-    held : (n,) bool, vertices that stay in place; no two of them are merged
-    corners : (n,) bool, vertices whose number of edges stays, too
+    held : (n,) bool, vertices that stay in place; two of them are merged only as ends of a halved edge
+    corners : (n,) bool, vertices whose number of edges stays, too, unless they are an end of a halved edge
     """
     faces = quads.corner_vertices.reshape(-1, 4).copy()
     valences, on_rim = np.bincount(quads.edges[0].ravel(), minlength=len(held)), quads.on_rim
     vertices = quads.vertices.copy()
-    faces = _merge_halved_edges(faces, valences, on_rim, corners)
+    faces = _merge_halved_edges(faces, valences, on_rim, held, corners)
     moved = np.zeros(len(held), bool)
     while (found := _first(faces, valences, on_rim, held, corners)) is not None:
         number, (a, b, c, d) = found
@@ -57,7 +57,9 @@ def collapse_quads(
     return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 
 
-def _merge_halved_edges(faces: np.ndarray, valences: np.ndarray, on_rim: np.ndarray, corners: np.ndarray) -> np.ndarray:
+def _merge_halved_edges(
+    faces: np.ndarray, valences: np.ndarray, on_rim: np.ndarray, held: np.ndarray, corners: np.ndarray
+) -> np.ndarray:
     """The (f, 4) faces where the ends of edges, whose middle has only two quads, are merged; one end stays in place.
 
     Both ends are on the edge's line. The vertices' numbers of edges are brought up to date.
@@ -68,10 +70,12 @@ def _merge_halved_edges(faces: np.ndarray, valences: np.ndarray, on_rim: np.ndar
             continue
         (a, b, c), (_, d, _) = (np.roll(faces[row], -place)[1:] for row, place in zip(rows, places, strict=True))
         merged = valences[a] + valences[c] - 4
-        stays = on_rim[[a, b, c, d]].any() or (corners[a] and corners[c])
-        if stays or merged > MOST or valences[[b, d]].min() <= FEWEST or not _is_free(faces, a, c, {b, d, middle}):
+        stays = on_rim[[a, b, c, d]].any() or corners[[b, d, middle]].any() or (corners[a] and corners[c])
+        if stays or not FEWEST <= merged <= MOST or valences[[b, d]].min() <= FEWEST:
             continue
-        kept, gone = (c, a) if corners[c] else (a, c)
+        if not _is_free(faces, a, c, {b, d, middle}):
+            continue
+        kept, gone = (c, a) if corners[c] or (held[c] and not held[a]) else (a, c)
         valences[kept], valences[[gone, middle]] = merged, 0
         valences[[b, d]] -= 1
         faces = np.delete(faces, rows, axis=0)

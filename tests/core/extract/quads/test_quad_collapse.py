@@ -147,3 +147,17 @@ def test_a_halved_edge_between_two_corners_stays():
     mesh, bad = around_a_halved_edge()
     after, _ = closed(bad, mesh, np.ones(13, bool), (0, 1))
     np.testing.assert_array_equal(after.corner_vertices, bad.corner_vertices)
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_a_held_end_of_a_halved_edge_stays(end):
+    mesh, bad = around_a_halved_edge()
+    _, kept = closed(bad, mesh, (np.arange(13) == end) | on_rim(bad))
+    assert end in kept and 1 - end not in kept
+
+
+def test_a_halved_edge_beside_or_at_a_corner_stays():
+    mesh, bad = around_a_halved_edge()
+    for corner in (2, 3, 4):
+        after, _ = closed(bad, mesh, np.ones(13, bool), [corner])
+        np.testing.assert_array_equal(after.corner_vertices, bad.corner_vertices)
