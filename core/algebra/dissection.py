@@ -109,7 +109,7 @@ def _cover(pairs: np.ndarray) -> np.ndarray:
     mates = maximum_bipartite_matching(graph, perm_type="column")
     partners = np.full(len(right), -1)
     partners[mates[mates >= 0]] = np.flatnonzero(mates >= 0)
-    # Koenig: the rows of the left that alternating paths from unmatched ones do not reach, and of the right that they do.
+    # Koenig: the cover is the unreached rows of the left and the reached ones of the right, by alternating paths.
     reached, seen = mates < 0, np.zeros(len(right), bool)
     while True:
         new = np.zeros(len(right), bool)
