@@ -6,7 +6,7 @@ from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import cKDTree
 
@@ -53,6 +53,27 @@ def find(keys: np.ndarray, asked: np.ndarray) -> np.ndarray:
     order = np.argsort(keys, kind="stable")
     found = order[np.minimum(np.searchsorted(keys, asked, sorter=order), len(order) - 1)]
     return np.where(keys[found] == asked, found, -1)
+
+
+def inverse(order: np.ndarray) -> np.ndarray:
+    """Invert a permutation, (n,)."""
+    result = np.empty_like(order)
+    result[order] = np.arange(len(order))
+    return result
+
+
+def fronts(pattern: csr_matrix, node: int) -> tuple[np.ndarray, np.ndarray]:
+    """List the (k,) nodes that can be reached from a node, the nearest first; those d edges away are in places
+    ``ends[d]`` to ``ends[d + 1]`` of the list. Returns list and ends."""
+    order, before = breadth_first_order(pattern, node)
+    place = np.empty(pattern.shape[0], int)
+    place[order] = np.arange(len(order))
+    # The position of each node's predecessor in the order; the end of a front gives the end of the next.
+    behind = place[before[order[1:]]]
+    ends = [0, 1]
+    while ends[-1] < len(order):
+        ends.append(1 + int(np.searchsorted(behind, ends[-1])))
+    return order, np.array(ends)
 
 
 def take_loops(following: dict[int, int]) -> Iterator[list[int]]:

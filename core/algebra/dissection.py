@@ -7,9 +7,9 @@ extent, and the fewest rows that separate both halves (Koenig 1931) are eliminat
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import breadth_first_order, maximum_bipartite_matching
+from scipy.sparse.csgraph import maximum_bipartite_matching
 
-from ..graphs import ragged_arange
+from ..graphs import fronts, ragged_arange
 from .coarsening import hubs
 
 # Groups of no more rows are not halved.
@@ -74,15 +74,8 @@ def _places(matrix: csr_matrix, rows: np.ndarray) -> np.ndarray:
 
 
 def _distances(pattern: csr_matrix, node: int) -> np.ndarray:
-    """(n,) number of edges from a node, one more than the largest where there is no way."""
-    order, before = breadth_first_order(pattern, node)
-    place = np.empty(pattern.shape[0], int)
-    place[order] = np.arange(len(order))
-    # The position of each node's predecessor in the order; the end of a front gives the end of the next.
-    behind = place[before[order[1:]]]
-    ends = [0, 1]
-    while ends[-1] < len(order):
-        ends.append(1 + int(np.searchsorted(behind, ends[-1])))
+    """(n,) number of edges from a node to each; for nodes that cannot be reached, one more than the largest."""
+    order, ends = fronts(pattern, node)
     result = np.full(pattern.shape[0], float(len(ends) - 1))
     result[order] = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
     return result

@@ -7,6 +7,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, reve
 from scipy.sparse.linalg import SuperLU, splu
 
 from ..errors import SynchError
+from ..graphs import fronts
 from .coarsening import hubs
 
 
@@ -71,16 +72,7 @@ def front_width(matrix: csr_matrix) -> int:
 def _widest_front(pattern: csr_matrix, node: int) -> int:
     """Compute the largest front of a sweep through the node's component, from a node far from it."""
     far = breadth_first_order(pattern, node)[0][-1]
-    order, before = breadth_first_order(pattern, far)
-    place = np.empty(pattern.shape[0], int)
-    place[order] = np.arange(len(order))
-    # The position of each node's predecessor in the order; the end of a front gives the end of the next.
-    behind = place[before[order[1:]]]
-    widest, start, end = 1, 0, 1
-    while end < len(order):
-        start, end = end, 1 + int(np.searchsorted(behind, end))
-        widest = max(widest, end - start)
-    return widest
+    return int(np.diff(fronts(pattern, far)[1]).max())
 
 
 def is_positive_definite(matrix: csr_matrix) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import get_blas_funcs
 from scipy.sparse import csr_matrix
 
+from ..graphs import inverse
 from .dissection import dissect
 
 # Rows of a panel, which are eliminated at once, and of a strip of the rest.
@@ -39,7 +40,7 @@ class Elimination:
         """An order by nested dissection of a matrix with a symmetric pattern."""
         number = dissect(matrix)
         order, starts = np.argsort(number, kind="stable"), np.append(0, np.cumsum(np.bincount(number)))
-        place = _inverse(order)
+        place = inverse(order)
         permuted = matrix[order]
         heads, pointers = place[permuted.indices], permuted.indptr
         own, reaches = number[order], []
@@ -110,7 +111,7 @@ def is_definite(matrix: csr_matrix, elimination: Elimination) -> bool:
     elimination of its pattern: then it is positive definite, but for :attr:`Elimination.rounding`."""
     starts, parents = elimination.starts, elimination.parents
     permuted = matrix[elimination.order]
-    heads, pointers, data = _inverse(elimination.order)[permuted.indices], permuted.indptr, permuted.data
+    heads, pointers, data = inverse(elimination.order)[permuted.indices], permuted.indptr, permuted.data
     waiting: list[list[tuple[np.ndarray, np.ndarray]]] = [[] for _ in parents]
     for block, reach in enumerate(elimination.reaches):
         start, end = starts[block : block + 2].tolist()
@@ -161,9 +162,3 @@ def _eliminate(front: np.ndarray, count: int) -> bool:
             here = slice(strip, strip + _STRIP)
             front[here, strip:] -= panel[:, strip - last : strip - last + _STRIP].conj().T @ panel[:, strip - last :]
     return True
-
-
-def _inverse(order: np.ndarray) -> np.ndarray:
-    place = np.empty(len(order), int)
-    place[order] = np.arange(len(order))
-    return place

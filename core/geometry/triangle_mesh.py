@@ -392,7 +392,7 @@ class TriangleMesh:
 
 def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:
     """Triangulate the surface of a manifold mesh without edges whose opposite angles sum to more than pi: the mesh
-    itself if it has none, nor flat triangles at its boundary."""
+    itself if it has neither such edges nor flat triangles at its boundary."""
     sides, directions = mesh.edge_lengths[mesh.triangle_edges], mesh.half_edge_directions.reshape(-1, 3)
     own = IntrinsicMesh(mesh.triangles, sides, directions, mesh.corner_angles, mesh.twins, mesh.angle_scales)
     flipped = flip_edges(own)

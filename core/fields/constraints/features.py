@@ -80,7 +80,7 @@ def _are_rungs(
 
     Such a strip is one quad wide, and without the short line its two sides could be shifted against each other. At each
     end two of the ``longer`` lines must meet, and no other short one, as on the rim of a plate: in slits and where
-    chamfers meet there is no room for it.
+    chamfers meet there is no room for a quad.
     """
     ends, count = mesh.edges[edges], mesh.vertex_count
     met = np.bincount(ends[longer].ravel(), minlength=count) >= 2

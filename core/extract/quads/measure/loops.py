@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ....graphs import components
+from ....graphs import components, inverse
 from ..trace.quad_mesh import QuadMesh
 
 # Crossings within this many quads along a loop count as one place.
@@ -71,9 +71,7 @@ def quad_loops(quads: QuadMesh) -> QuadLoops:
     loops[passed] = components(len(passed), np.searchsorted(passed, passes))
     lengths = np.bincount(loops[passes[:, 0]], minlength=loops.max(initial=-1) + 1)
     order = np.argsort(-lengths, kind="stable")
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    return QuadLoops(quads, np.where(loops < 0, -1, np.append(rank, 0)[loops])[edges], lengths[order])
+    return QuadLoops(quads, np.where(loops < 0, -1, np.append(inverse(order), 0)[loops])[edges], lengths[order])
 
 
 def _walks(loops: QuadLoops) -> Iterator[tuple[np.ndarray, bool]]:
