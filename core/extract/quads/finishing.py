@@ -12,7 +12,7 @@ from ...geometry import TriangleMesh
 from .features.chains import Chains, follow_features
 from .features.feature_lines import FeatureLines
 from .repair.all_quads import all_quads
-from .repair.edge_flips import flip_edges
+from .repair.bad_corners import mend_bad_corners
 from .repair.narrow_tunnels import close_narrow_tunnels, find_flat_faces
 from .repair.quad_collapse import collapse_quads
 from .repair.tip_recovery import recover_tips
@@ -74,10 +74,9 @@ def finish_quads(
     quads = fit_quads(quads, mesh, loose, rounds, chains)
     quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
     edges, counts = quads.edges
-    keep = edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
     rim = np.unique(edges[counts == 1]) if np.size(apart) else ()
-    quads = flip_edges(quads, mesh.face_normals[quads.triangles], keep, rim)
-    return part_vertices(quads, mesh, ~free)
+    quads, kept = mend_bad_corners(quads, mesh, free, chains, rim)
+    return part_vertices(quads, mesh, ~free[kept])
 
 
 def lost_lines(

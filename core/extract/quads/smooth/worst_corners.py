@@ -30,16 +30,23 @@ FARTHER, NEAR = 0.01, 0.08
 _PIECE = 1e-3
 
 
-def move_worst_corners(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None = None) -> QuadMesh:
+def move_worst_corners(
+    quads: QuadMesh,
+    mesh: TriangleMesh,
+    free: np.ndarray,
+    chains: Chains | None = None,
+    ground: Ground | None = None,
+) -> QuadMesh:
     """The quad mesh with vertices moved where corners are bad; arguments as of :func:`fit_quads`.
 
-    No patch's worst corner gets worse; corners that are turned over count as the worst.
+    No patch's worst corner gets worse; corners that are turned over count as the worst. ``ground``: the part of the
+    surface below, all of it by default.
     """
     lines = sliding_lines(free, chains)
     moving = _moving(quads, free, RINGS[0])
     if len(moving) == 0:
         return quads
-    ground = Ground.of(mesh, quads)
+    ground = Ground.of(mesh, quads) if ground is None else ground
     for rings in RINGS:
         moving = _moving(quads, free, rings)
         if len(moving) == 0:
