@@ -24,11 +24,11 @@ from .reconnections import Patch
 # degrees.
 BAD, GOOD = 60.0, 45.0
 # What an irregular vertex costs, and by how much a patch must improve, in degrees beyond good corners.
-IRREGULAR, GAIN = 5.0, 10.0
+IRREGULAR, GAIN = 7.0, 10.0
 # Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
-RINGS, SMOOTHING = 2, 5
+RINGS, SMOOTHING = 2, 8
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
-MOST = 3
+MOST = 4
 # Rounds over all bad faces.
 ROUNDS = 4
 

@@ -95,7 +95,7 @@ class Patch:
         sides = [corner for corner in corners if corner not in (kept, gone)]
         if self.held[gone] or self.on_rim[[kept, gone]].any() or (self.apart[kept] and self.apart[gone]):
             return None
-        around = [{head for tail, head in self.left if tail == corner} for corner in (kept, gone)]
+        around = [{end for way in self.left if corner in way for end in way} - {corner} for corner in (kept, gone)]
         if around[0] & around[1] != set(sides) or kept in around[1]:
             return None
         faces, valences = np.delete(self.faces, number, axis=0), self.valences.copy()
