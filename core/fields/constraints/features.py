@@ -29,8 +29,8 @@ LEAST_ALONG = np.radians(50)
 # quad between. Inside, where a sharp edge fades out beside another, such a corner needs none.
 NARROW = np.radians(50)
 # Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are no features;
-# a boundary always is.
-SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
+# a boundary always is. A piece with free ends, as bends on scans and low-poly animals have, needs a longer line.
+SHORTEST_LINE, SHORTEST_PIECE, SHORTEST_FREE = 1.0, 4.0, 6.0
 # Where edges divide most of the surface into parts with room for fewer quads than this, the parts are facets.
 FEWEST_QUADS = 20.0
 # Faces that bend by less than FLAT are one facet. A body whose facets mostly bend by more than COARSE, but by less than
@@ -69,8 +69,21 @@ def feature_edges(
     lines = np.bincount(labels, lengths[edges])[labels]
     long = (lines >= SHORTEST_LINE) | on_boundary[edges]
     edges = edges[long | _are_rungs(mesh, edges, labels, long, lines >= SHORTEST_PIECE, sides)]
-    labels = _connected_pieces(mesh, edges)
-    return edges[(np.bincount(labels, lengths[edges]) >= SHORTEST_PIECE)[labels] | on_boundary[edges]]
+    return edges[_is_long_piece(mesh, edges, lengths[edges]) | on_boundary[edges]]
+
+
+def _is_long_piece(mesh: TriangleMesh, edges: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """(k,) bool: edges of connected pieces that are long, and have a long line if they have free ends.
+
+    ``lengths``: (k,) of the edges in sides of a quad.
+    """
+    ends, labels, lines = mesh.edges[edges], _connected_pieces(mesh, edges), pieces_between_corners(mesh, edges)
+    is_free = np.bincount(ends.ravel(), minlength=mesh.vertex_count) == 1
+    has_end = np.bincount(labels, is_free[ends].any(axis=1)) > 0
+    longest = np.zeros(len(has_end))
+    np.maximum.at(longest, labels, np.bincount(lines, lengths)[lines])
+    is_long = (np.bincount(labels, lengths) >= SHORTEST_PIECE) & (~has_end | (longest >= SHORTEST_FREE))
+    return is_long[labels]
 
 
 def _are_rungs(
