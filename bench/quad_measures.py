@@ -4,6 +4,7 @@
 import numpy as np
 
 from synch_fields.core.errors import MeshError
+from synch_fields.core.extract.quads.measure.loops import quad_loops
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.core.geometry import TriangleMesh
@@ -27,11 +28,14 @@ def figures(quads, given):
 
     As :func:`quality`, with the angles inside the faces, up to 360 degrees, and ``reflex_corners``, those over 180;
     ``distance`` is the Hausdorff distance over the longest side, and ``turned_faces`` look against the surface.
+    ``irregular_on_rim`` counts vertices on the boundary with another number of faces than of right angles there.
     """
     angles = corner_angles(quads)
     off = np.abs(angles - 90)
     away, turned = distance(quads, given)
     return quality(quads) | {
+        "irregular_on_rim": irregular_on_rim(quads, angles),
+        "short_loop_share": quad_loops(quads).short_share,
         "angle_deviation": float(off.mean()),
         "worst_angle": float(off.max()),
         "widest_angle": float(angles.max()),
@@ -43,6 +47,13 @@ def figures(quads, given):
         "given_closed": len(given.boundary_edges) == 0,
         "manifold": manifold(quads),
     }
+
+
+def irregular_on_rim(quads, angles):
+    """Number of boundary vertices with another number of faces than the number of right angles nearest to theirs."""
+    at, count = quads.corner_vertices, len(quads.vertices)
+    right_angles = np.maximum(np.rint(np.bincount(at, angles, count) / 90), 1)
+    return int((quads.on_rim & (np.bincount(at, minlength=count) != right_angles)).sum())
 
 
 def manifold(quads):

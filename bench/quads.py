@@ -38,6 +38,7 @@ COLUMNS = (
     Column("faces", "faces", "d"),
     Column("quads", "quad_share", ".1%"),
     Column("irregular", "irregular_vertices", "d"),
+    Column("on the boundary", "irregular_on_rim", "d"),
     Column("mean angle off", "angle_deviation", ".2f"),
     Column("worst", "worst_angle", ".0f"),
     Column("over 180°", "reflex_corners", "d"),
@@ -48,12 +49,13 @@ COLUMNS = (
     Column("χ given", "given_characteristic", "d"),
     Column("closed", "closed", ""),
     Column("manifold", "manifold", ""),
+    Column("in short loops", "short_loop_share", ".0%"),
     Column("CPU s", "seconds", ".2f"),
 )
 # Ours is no worse in a column when its value is no larger.
 COMPARED = {
     "share of other faces": "other_share",
-    "irregular vertices": "irregular_vertices",
+    "irregular vertices": "all_irregular",
     "mean angle off": "angle_deviation",
     "worst corner": "worst_angle",
     "corners over 180°": "reflex_corners",
@@ -178,7 +180,15 @@ def labelled(row):
 
 def print_comparison(rows):
     """On how many meshes ours meets its face count and has only quads, and is no worse than each of the others."""
-    rows = [row | {"other_share": 1 - row["quad_share"]} for row in rows if "faces" in row]
+    rows = [
+        row
+        | {
+            "other_share": 1 - row["quad_share"],
+            "all_irregular": row["irregular_vertices"] + row["irregular_on_rim"],
+        }
+        for row in rows
+        if "faces" in row
+    ]
     ours = {row["mesh"]: row for row in rows if row["method"] == OURS}
     print("\n| ours | meshes |")
     print("|---|---|")

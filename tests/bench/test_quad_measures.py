@@ -94,3 +94,14 @@ def test_every_vertex_of_a_cube_of_squares_is_irregular():
     assert row["irregular_vertices"] == 8 and row["euler_characteristic"] == row["given_characteristic"] == 2
     assert row["closed"] and row["given_closed"] and row["turned_faces"] == 0
     assert row["distance"] == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("faces", "expected"), [([(0, 1, 4, 5), (1, 2, 3, 4)], 0), ([(0, 1, 2, 3), (3, 4, 5, 0)], 4)])
+def test_vertices_on_the_boundary_are_irregular_by_their_angle(faces, expected):
+    """Two squares beside each other, and the same rectangle cut from corner to corner: two faces at two corners, and
+    one at the middles of its long sides."""
+    corners = np.array([(0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (0, 1, 0)], float)
+    given = TriangleMesh(corners, [(0, 1, 5), (1, 4, 5), (1, 2, 4), (2, 3, 4)])
+    row = figures(quads(corners, np.array(faces)), given)
+    assert row["irregular_on_rim"] == expected and row["irregular_vertices"] == 0
+    assert row["short_loop_share"] == 1
