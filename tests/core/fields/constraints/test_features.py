@@ -54,6 +54,25 @@ def test_short_edges_across_the_rim_of_a_plate_are_features():
     assert len(feature_edges(thin, ANGLE, 0.3)) == 8 * 16
 
 
+def test_short_bends_with_free_ends_are_no_features_unless_they_are_marked():
+    """A sheet with a crease across one half that fades out on both sides, which is one line with two free ends."""
+    mesh = square(40)
+    x, y, _ = mesh.vertices.T
+    slope = 0.7 * np.cos(np.pi / 2 * np.clip((x - 0.5) / 0.35, -1, 1)) ** 2
+    height = 0.1 * slope * (1 - np.exp(-np.abs(y - 0.5) / 0.1))
+    creased = TriangleMesh(np.column_stack([x, y, height]), mesh.triangles)
+    crease = np.flatnonzero((np.abs(creased.vertices[creased.edges][:, :, 1] - 0.5) < 1e-9).all(axis=1))
+    sharp = crease[np.abs(creased.angles_between(creased.face_normals))[crease] > ANGLE]
+    length, rim = creased.edge_lengths[sharp].sum(), creased.boundary_edges
+    assert 10 < len(sharp) < 20
+    for sides, is_kept in ((5, False), (7, True)):
+        np.testing.assert_array_equal(
+            feature_edges(creased, ANGLE, length / sides), np.union1d(rim, sharp) if is_kept else rim
+        )
+    marked = feature_edges(creased, ANGLE, length / 5, marked=sharp)
+    np.testing.assert_array_equal(marked, np.union1d(rim, sharp))
+
+
 @pytest.mark.parametrize("mesh", [icosphere(3), torus(), cube(12)], ids=["ball", "torus", "cube"])
 def test_marks_of_a_mesh_that_is_shown_flat_are_no_features_but_of_facets_that_quads_fit_on(mesh):
     every, length = np.arange(len(mesh.edges)), np.median(mesh.edge_lengths)
