@@ -6,7 +6,7 @@ corner there; where it forces one face too many, a narrow one. The faces around 
 smoothed, and the best one is taken.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ....geometry import TriangleMesh
 from ..features.chains import Chains
 from ..measure.quality import corner_angles
-from ..smooth.fitting import fit_quads
+from ..smooth.fitting import fit_quads, sliding_lines
 from ..smooth.patches import Ground
 from ..smooth.worst_corners import move_worst_corners
 from ..trace.quad_mesh import QuadMesh
@@ -30,7 +30,7 @@ RINGS, SMOOTHING = 2, 8
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
 MOST = 4
 # Rounds over all bad faces.
-ROUNDS = 4
+ROUNDS = 10
 
 
 def mend_bad_corners(
@@ -47,38 +47,35 @@ def mend_bad_corners(
     chains : on whose lines vertices slide
     apart : vertices that no new edge may join to one another
     """
-    held = ~free if chains is None else ~free | chains.fixed
-    lines = np.full(len(free), -1) if chains is None else np.where(free, chains.lines, -1)
-    alone = np.zeros(len(free), bool)
-    alone[np.asarray(apart, int)] = True
     given, tried = quads, set[tuple[int, bytes, bytes]]()
+    alone = np.isin(np.arange(len(free)), np.asarray(apart, int))
     for _ in range(ROUNDS):
-        offs = worst_deviations(quads)
-        bad = np.flatnonzero((offs > BAD) & (quads.sizes == 4))
+        bad = _bad_faces(quads)
         if len(bad) == 0:
             break
-        places, changed = _Places(quads, mesh, Ground.of(mesh, quads)), np.zeros(len(quads.vertices), bool)
-        new: list[tuple[np.ndarray, QuadMesh]] = []
-        for number in bad[np.argsort(-offs[bad], kind="stable")].tolist():
-            part = places.around(number)
-            if part is None or changed[part.vertices].any() or part.key in tried:
-                continue
-            own = part.vertices
-            sliding = None if chains is None else chains.of_vertices(own)
-            patch = Patch(part.corners, *(of[own] for of in (places.valences, places.on_rim, lines, held, alone)))
-            better = _best(part, patch, mesh, free[own] & ~part.on_border, sliding)
-            if better is None:
-                tried.add(part.key)
-            else:
-                changed[own] = True
-                new.append((part.faces, replace(better, corner_vertices=own[better.corner_vertices])))
-                quads = _with_vertices(quads, own, better)
-        if not new:
+        around, changed = _Surroundings.of(quads, mesh, free, chains, alone), np.zeros(len(quads.vertices), bool)
+        parts: list[_Part] = []
+        for number in bad:
+            part = around.part(number)
+            if part is not None and part.key not in tried and not changed[part.vertices].any():
+                changed[part.vertices] = True
+                parts.append(part)
+        better = _improve(parts, mesh, chains)
+        tried |= {part.key for part, new in zip(parts, better, strict=True) if new is None}
+        done = [(part, new) for part, new in zip(parts, better, strict=True) if new is not None]
+        if not done:
             break
-        quads = _with_faces(quads, new)
+        quads = _put_in(quads, done)
     if quads is given:
         return quads, np.arange(len(free))
     return quads.with_faces(quads.corner_vertices, quads.sizes), np.unique(quads.corner_vertices)
+
+
+def _bad_faces(quads: QuadMesh) -> list[int]:
+    """Quads with bad corners, the worst first."""
+    offs = worst_deviations(quads)
+    bad = np.flatnonzero((offs > BAD) & (quads.sizes == 4))
+    return bad[np.argsort(-offs[bad], kind="stable")].tolist()
 
 
 def worst_deviations(quads: QuadMesh) -> np.ndarray:
@@ -93,39 +90,66 @@ class _Part:
     Attributes
     ----------
     faces, vertices : their numbers in the whole mesh
-    on_border : (n,) bool, vertices of other faces, too
+    free : (n,) bool, vertices that may move
     bad : number of the bad face in the part
-    ground : the surface below
+    below : (s, 3) points of the surface below
     """
 
     quads: QuadMesh
+    patch: Patch
     faces: np.ndarray
     vertices: np.ndarray
-    on_border: np.ndarray
+    free: np.ndarray
     bad: int
-    ground: Ground
-
-    @property
-    def corners(self) -> np.ndarray:
-        """(f, 4) vertices of the part."""
-        return self.quads.corner_vertices.reshape(-1, 4)
+    below: np.ndarray
 
     @property
     def key(self) -> tuple[int, bytes, bytes]:
         """Equal for equal parts."""
         return self.bad, self.vertices.tobytes(), self.quads.vertices.tobytes()
 
+    def ways(self) -> list[Patch]:
+        """Ways to reconnect the bad face that change the number of edges at its worst corner as it needs, or collapse
+        it; those that leave the most regular vertices first."""
+        angles = corner_angles(self.quads).reshape(-1, 4)[self.bad]
+        place = int(np.abs(angles - 90).argmax())
+        worst, wanted = self.patch.faces[self.bad, place], 1 if angles[place] > 90 else -1
+        fitting = [
+            way
+            for way in self.patch.reconnected(self.bad)
+            if len(way.faces) < len(self.patch.faces) or way.valences[worst] == self.patch.valences[worst] + wanted
+        ]
+        return sorted(fitting, key=lambda way: int((way.surpluses**2).sum()))[:MOST]
 
-class _Places:
-    """Parts of a quad mesh on a surface."""
 
-    def __init__(self, quads: QuadMesh, mesh: TriangleMesh, ground: Ground) -> None:
-        self._quads, self._mesh, self._ground = quads, mesh, ground
-        self.valences, self.on_rim = np.bincount(quads.edges[0].ravel(), minlength=len(quads.vertices)), quads.on_rim
+@dataclass(frozen=True)
+class _Surroundings:
+    """A quad mesh on a surface, from which parts are taken.
 
-    def around(self, number: int) -> _Part | None:
+    Attributes
+    ----------
+    ground : the surface below
+    patch : all faces, if they are quads; its vertices' attributes are used
+    free : (n,) bool, vertices that may move
+    """
+
+    quads: QuadMesh
+    ground: Ground
+    patch: Patch
+    free: np.ndarray
+
+    @classmethod
+    def of(
+        cls, quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None, apart: np.ndarray
+    ) -> "_Surroundings":
+        valences = np.bincount(quads.edges[0].ravel(), minlength=len(quads.vertices))
+        held = ~free if chains is None else ~free | chains.fixed
+        patch = Patch(np.empty((0, 4), int), valences, quads.on_rim, sliding_lines(free, chains), held, apart)
+        return cls(quads, Ground.of(mesh, quads), patch, free)
+
+    def part(self, number: int) -> _Part | None:
         """The faces around a bad one; None if some are no quads."""
-        quads = self._quads
+        quads = self.quads
         of_corners, corners = quads.corner_faces, quads.corner_vertices
         inside = np.arange(len(quads.sizes)) == number
         near = np.zeros(len(quads.vertices), bool)
@@ -134,42 +158,60 @@ class _Places:
             inside[of_corners[near[corners]]] = True
         if (quads.sizes[inside] != 4).any():
             return None
-        part, vertices = quads.only(inside), np.unique(corners[inside[of_corners]])
-        on_border = np.zeros(len(quads.vertices), bool)
-        on_border[corners[~inside[of_corners]]] = True
-        below = self._ground.samples[inside[self._ground.near[:, 0]]]
-        faces = np.flatnonzero(inside)
-        bad = int(np.searchsorted(faces, number))
-        return _Part(part, faces, vertices, on_border[vertices], bad, Ground(self._mesh, below, part))
+        part, vertices, faces = quads.only(inside), np.unique(corners[inside[of_corners]]), np.flatnonzero(inside)
+        patch = self.patch.of_vertices(part.corner_vertices.reshape(-1, 4), vertices)
+        free = self.free.copy()
+        free[corners[~inside[of_corners]]] = False
+        below = self.ground.samples[inside[self.ground.near[:, 0]]]
+        return _Part(part, patch, faces, vertices, free[vertices], int(np.searchsorted(faces, number)), below)
 
 
-def _best(part: _Part, patch: Patch, mesh: TriangleMesh, free: np.ndarray, chains: Chains | None) -> QuadMesh | None:
-    """The part, reconnected and smoothed, with the best corners; None if it does not improve enough."""
-    before = worst_deviations(part.quads)
-    best, found = _cost(before, patch) - GAIN, None
-    ways = sorted(_ways(part, patch), key=lambda way: int((way.surpluses**2).sum()))
-    for way in ways[:MOST]:
-        quads = replace(part.quads, corner_vertices=way.faces.ravel(), sizes=np.full(len(way.faces), 4))
-        moving = free & (way.valences > 0)
-        quads = fit_quads(quads, mesh, moving, SMOOTHING, chains)
-        quads = move_worst_corners(quads, mesh, moving, chains, replace(part.ground, quads=quads))
-        after = worst_deviations(quads)
-        if after.max() <= before.max() and _cost(after, way) < best:
-            best, found = _cost(after, way), quads
+def _improve(parts: list[_Part], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh | None]:
+    """Each part, reconnected and smoothed, with the best corners; None if it does not improve enough."""
+    before = [worst_deviations(part.quads) for part in parts]
+    least = [_cost(offs, part.patch) - GAIN for offs, part in zip(before, parts, strict=True)]
+    found: list[QuadMesh | None] = [None] * len(parts)
+    ways = [part.ways() for part in parts]
+    for rank in range(MOST):
+        trying = [number for number in range(len(parts)) if rank < len(ways[number])]
+        if not trying:
+            break
+        smoothed = _smooth(
+            [parts[number] for number in trying], [ways[number][rank] for number in trying], mesh, chains
+        )
+        for number, quads in zip(trying, smoothed, strict=True):
+            after = worst_deviations(quads)
+            cost = _cost(after, ways[number][rank])
+            if after.max() <= before[number].max() and cost < least[number]:
+                least[number], found[number] = cost, quads
     return found
 
 
-def _ways(part: _Part, patch: Patch) -> list[Patch]:
-    """The patch reconnected in ways that change the number of edges at the worst corner as it needs, or collapsed."""
-    angles = corner_angles(part.quads).reshape(-1, 4)[part.bad]
-    place = int(np.abs(angles - 90).argmax())
-    worst = int(part.corners[part.bad, place])
-    ways = patch.reconnected(part.bad)
-    wanted = 1 if angles[place] > 90 else -1
+def _smooth(parts: list[_Part], ways: list[Patch], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh]:
+    """Parts with other faces, smoothed together; they have no vertex in common."""
+    ends = np.cumsum([len(part.vertices) for part in parts])
+    starts = ends - [len(part.vertices) for part in parts]
+    together = QuadMesh(
+        np.concatenate([part.quads.vertices for part in parts]),
+        np.concatenate([part.quads.triangles for part in parts]),
+        np.concatenate([part.quads.weights for part in parts]),
+        np.concatenate([way.faces.ravel() + start for way, start in zip(ways, starts, strict=True)]),
+        np.full(sum(len(way.faces) for way in ways), 4),
+    )
+    moving = np.concatenate([part.free & (way.valences > 0) for part, way in zip(parts, ways, strict=True)])
+    own = None if chains is None else chains.of_vertices(np.concatenate([part.vertices for part in parts]))
+    together = fit_quads(together, mesh, moving, SMOOTHING, own)
+    ground = Ground(mesh, np.concatenate([part.below for part in parts]), together)
+    together = move_worst_corners(together, mesh, moving, own, ground)
     return [
-        way
-        for way in ways
-        if len(way.faces) < len(patch.faces) or way.valences[worst] - patch.valences[worst] == wanted
+        QuadMesh(
+            together.vertices[start:end],
+            together.triangles[start:end],
+            together.weights[start:end],
+            way.faces.ravel(),
+            np.full(len(way.faces), 4),
+        )
+        for way, start, end in zip(ways, starts, ends, strict=True)
     ]
 
 
@@ -178,18 +220,20 @@ def _cost(offs: np.ndarray, patch: Patch) -> float:
     return float(np.maximum(offs - GOOD, 0).sum()) + IRREGULAR * int((patch.surpluses != 0).sum())
 
 
-def _with_vertices(quads: QuadMesh, which: np.ndarray, part: QuadMesh) -> QuadMesh:
-    """The quad mesh with vertices where those of a part are."""
+def _put_in(quads: QuadMesh, parts: list[tuple[_Part, QuadMesh]]) -> QuadMesh:
+    """The quad mesh on the same vertices, moved, with the faces of parts instead of those that they replace."""
     vertices, triangles, weights = quads.vertices.copy(), quads.triangles.copy(), quads.weights.copy()
-    vertices[which], triangles[which], weights[which] = part.vertices, part.triangles, part.weights
-    return replace(quads, vertices=vertices, triangles=triangles, weights=weights)
-
-
-def _with_faces(quads: QuadMesh, parts: list[tuple[np.ndarray, QuadMesh]]) -> QuadMesh:
-    """The quad mesh on the same vertices with faces of parts instead of those that they replace."""
     stays = np.ones(len(quads.sizes), bool)
-    for faces, _ in parts:
-        stays[faces] = False
-    corners = [quads.corner_vertices[stays[quads.corner_faces]], *(part.corner_vertices for _, part in parts)]
-    sizes = [quads.sizes[stays], *(part.sizes for _, part in parts)]
-    return replace(quads, corner_vertices=np.concatenate(corners), sizes=np.concatenate(sizes))
+    for part, new in parts:
+        stays[part.faces] = False
+        vertices[part.vertices], triangles[part.vertices] = new.vertices, new.triangles
+        weights[part.vertices] = new.weights
+    corners = [part.vertices[new.corner_vertices] for part, new in parts]
+    sizes = [new.sizes for _, new in parts]
+    return QuadMesh(
+        vertices,
+        triangles,
+        weights,
+        np.concatenate([quads.corner_vertices[stays[quads.corner_faces]], *corners]),
+        np.concatenate([quads.sizes[stays], *sizes]),
+    )

@@ -43,6 +43,11 @@ class Patch:
         tails, heads = self.faces.ravel().tolist(), np.roll(self.faces, -1, axis=1).ravel().tolist()
         return {way: place // 4 for place, way in enumerate(zip(tails, heads, strict=True))}
 
+    def of_vertices(self, faces: np.ndarray, which: np.ndarray) -> "Patch":
+        """The (k,) vertices with other faces."""
+        of_vertices = self.valences, self.on_rim, self.lines, self.held, self.apart
+        return Patch(faces, *(values[which] for values in of_vertices))
+
     @property
     def surpluses(self) -> np.ndarray:
         """(n,) edges above the number at a regular vertex; 0 for vertices that are gone."""
