@@ -58,9 +58,8 @@ def feature_edges(
     between = np.flatnonzero(bends > FLAT)
     is_coarse = len(between) > 0 and COARSE < np.median(bends[between]) < angle and _makes_facets(mesh, between, side)
     sharp = bends > (max(angle, SHARPEST) if is_coarse else angle)
-    is_marked = np.zeros(len(sharp), bool)
-    is_marked[marked] = not _makes_facets(mesh, marked, side)
-    sharp |= is_marked
+    if not _makes_facets(mesh, marked, side):
+        sharp[marked] = True
     sharp[mesh.boundary_edges] = True
     edges = np.flatnonzero(sharp)
     sides = np.broadcast_to(side, mesh.vertex_count)
@@ -70,19 +69,19 @@ def feature_edges(
     lines = np.bincount(labels, lengths[edges])[labels]
     long = (lines >= SHORTEST_LINE) | on_boundary[edges]
     edges = edges[long | _are_rungs(mesh, edges, labels, long, lines >= SHORTEST_PIECE, sides)]
-    return edges[_is_long_piece(mesh, edges, lengths[edges], is_marked[edges]) | on_boundary[edges]]
+    return edges[_is_long_piece(mesh, edges, lengths[edges]) | on_boundary[edges]]
 
 
-def _is_long_piece(mesh: TriangleMesh, edges: np.ndarray, lengths: np.ndarray, marked: np.ndarray) -> np.ndarray:
-    """(k,) bool: edges of connected pieces that are long.
+def _is_long_piece(mesh: TriangleMesh, edges: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """(k,) bool: edges of connected pieces that are long, and have a long line if they have free ends.
 
-    Pieces with free ends and no marked edge need a long line, too. ``lengths``: (k,) of the edges in sides of a quad.
+    ``lengths``: (k,) of the edges in sides of a quad. Marked edges are no exception: shading by angle marks bends, too.
     """
     ends, labels, lines = mesh.edges[edges], _connected_pieces(mesh, edges), pieces_between_corners(mesh, edges)
     is_free = (np.bincount(ends.ravel(), minlength=mesh.vertex_count) == 1)[ends].any(axis=1)
     longest = np.zeros(mesh.vertex_count)
     np.maximum.at(longest, labels, np.bincount(lines, lengths)[lines])
-    fades = (np.bincount(labels, is_free) > 0) & (np.bincount(labels, marked) == 0)
+    fades = np.bincount(labels, is_free) > 0
     is_long = np.bincount(labels, lengths) >= SHORTEST_PIECE
     return (is_long & (~fades | (longest[: len(fades)] >= SHORTEST_FREE)))[labels]
 
