@@ -105,7 +105,7 @@ class SurfaceSettings(SolverSettings):
         variants={
             "": Variant(1.0, "", ""),
             "quad_mesh": Variant(
-                0.95,
+                0.9,
                 "Mesh Singularities",
                 "Share of the singular points that the smoothest directions have; they become the irregular vertices "
                 "of quad meshes. Less removes the least important ones; at 0 there are as few as the shape allows, "

@@ -50,22 +50,19 @@ def mend_bad_corners(
     given, tried = quads, set[tuple[int, bytes, bytes]]()
     alone = np.isin(np.arange(len(free)), np.asarray(apart, int))
     for _ in range(ROUNDS):
-        bad = _bad_faces(quads)
-        if len(bad) == 0:
-            break
         around, changed = _Surroundings.of(quads, mesh, free, chains, alone), np.zeros(len(quads.vertices), bool)
         parts: list[_Part] = []
-        for number in bad:
+        for number in _bad_faces(quads):
             part = around.part(number)
             if part is not None and part.key not in tried and not changed[part.vertices].any():
                 changed[part.vertices] = True
                 parts.append(part)
+        if not parts:
+            break
         better = _improve(parts, mesh, chains)
         tried |= {part.key for part, new in zip(parts, better, strict=True) if new is None}
         done = [(part, new) for part, new in zip(parts, better, strict=True) if new is not None]
-        if not done:
-            break
-        quads = _put_in(quads, done)
+        quads = _put_in(quads, done) if done else quads
     if quads is given:
         return quads, np.arange(len(free))
     return quads.with_faces(quads.corner_vertices, quads.sizes), np.unique(quads.corner_vertices)
@@ -110,14 +107,16 @@ class _Part:
 
     def ways(self) -> list[Patch]:
         """Ways to reconnect the bad face that change the number of edges at its worst corner as it needs, or collapse
-        it; those that leave the most regular vertices first."""
+        it, and all where it is folded; those that leave the most regular vertices first."""
         angles = corner_angles(self.quads).reshape(-1, 4)[self.bad]
         place = int(np.abs(angles - 90).argmax())
         worst, wanted = self.patch.faces[self.bad, place], 1 if angles[place] > 90 else -1
         fitting = [
             way
             for way in self.patch.reconnected(self.bad)
-            if len(way.faces) < len(self.patch.faces) or way.valences[worst] == self.patch.valences[worst] + wanted
+            if angles[place] > 180
+            or len(way.faces) < len(self.patch.faces)
+            or way.valences[worst] == self.patch.valences[worst] + wanted
         ]
         return sorted(fitting, key=lambda way: int((way.surpluses**2).sum()))[:MOST]
 
