@@ -222,16 +222,21 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             count = draft.face_count
             drafts.append(draft)
             # Tracing raises SettingError if the quads are too large for a mesh, before more work goes into it.
-            traced = len(request.trace(drafts[-1].result.pattern)[0].sizes) if count < FEW else 0
+            traced = len(draft.traced[0].sizes) if count < FEW else 0
             if traced > SPOILT * FEW:
                 drafts.pop()
                 count = traced
             elif drafts[-1].misses(wanted) <= NEAR:
                 draft = settle(drafts.pop())
-                found.append(complete(draft, part))
-                if _misses(found[-1], faces) <= NEAR:
-                    return found[-1]
-                wanted = faces * count / _face_count(found[-1])
+                expected = faces if request.settings.loops else draft.finished_count
+                if abs(expected / faces - 1) <= NEAR:
+                    found.append(complete(draft, part))
+                    if _misses(found[-1], faces) <= NEAR:
+                        return found[-1]
+                    expected = _face_count(found[-1])
+                else:
+                    drafts.append(draft)
+                wanted = faces * draft.face_count / expected
         except ContradictionError:
             raise
         except TooManyLines as error:

@@ -26,11 +26,11 @@ BAD, GOOD = 60.0, 45.0
 # What an irregular vertex costs, and by how much a patch must improve, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
 # Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
-RINGS, SMOOTHING = 2, 8
+RINGS, SMOOTHING = 2, 5
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
-MOST = 4
+MOST = 3
 # Rounds over all bad faces.
-ROUNDS = 10
+ROUNDS = 6
 
 
 def mend_bad_corners(
