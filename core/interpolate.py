@@ -222,9 +222,7 @@ def _walked_phases(edge_phases: EdgePhases, polygons: Polygons) -> np.ndarray:
     phases[at_vertices] = edge_phases.arguments[polygons.corner_vertices[at_vertices]]
     turns, halves, mesh = np.zeros(len(polygons.starts), int), polygons.rim_half_edges, edge_phases.mesh
     known = np.array_equal(polygons.triangles, mesh.triangles)
-    for step in range(1, polygons.sizes.max(initial=0)):
-        going = np.flatnonzero(drawn & (polygons.sizes > step))
-        corner = polygons.starts[going] + step
+    for going, corner in polygons.rim_steps:
         before, after = polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner]
         half = halves[corner - 1]
         edges = mesh.triangle_edges.ravel()[half] if known and half.min(initial=0) >= 0 else None

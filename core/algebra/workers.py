@@ -2,7 +2,7 @@
 """All cores for one solve: NumPy and SciPy release the interpreter's lock, so that threads can share the work."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
@@ -72,7 +72,7 @@ class _Pool:
         if ended is not None:
             ended.shutdown()
 
-    def map(self, work: Callable[[Part], Result], parts: Sequence[Part]) -> list[Result]:
+    def map(self, work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
         """Compute [work(part) for part in parts], in threads and the calling one if a solve is inside."""
         first, *others = parts
         with self._lock:
