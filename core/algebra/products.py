@@ -15,7 +15,7 @@ from scipy.sparse import _sparsetools, csr_matrix
 from . import workers
 
 # Multiplications (stored entries times columns) below which a thread costs more than it saves.
-WORTH_SHARING = 1_000_000
+WORTH_SHARING = 250_000
 
 
 class Matrix(Protocol):
