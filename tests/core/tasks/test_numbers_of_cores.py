@@ -15,7 +15,6 @@ from synch_fields.core.tasks.surfaces import SurfaceRequest
 
 from ..meshes import bumpy_torus, icosphere, together
 
-
 CASES = [
     pytest.param("directions", lambda: bumpy_torus(14), {"symmetry": "cross"}, id="crosses"),
     pytest.param("stripes", lambda: icosphere(3), {"spacing": 0.15}, id="stripes"),
