@@ -4,6 +4,8 @@
 NumPy is slow if the last axis is short, so that several rows are joined to one; BLAS handles a single column.
 """
 
+from functools import cache
+
 import numpy as np
 from scipy.linalg.blas import get_blas_funcs
 
@@ -30,8 +32,16 @@ def inner_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     total = np.zeros(first.shape[1], first.dtype)
     for part in row_parts(*first.shape):
         products = first[part] * second[part]
-        total += np.ones(len(products), products.dtype) @ products
+        total += _ones(products.dtype)[: len(products)] @ products
     return total
+
+
+@cache
+def _ones(dtype: np.dtype) -> np.ndarray:
+    """As many ones as a part of :func:`row_parts` may have rows."""
+    ones = np.ones(HELD, dtype)
+    ones.flags.writeable = False
+    return ones
 
 
 def precise_inner_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -54,7 +64,9 @@ def add_multiples(columns: np.ndarray, shares: np.ndarray, others: np.ndarray) -
     if columns.shape[1] == 1 and len(columns):
         get_blas_funcs("axpy", (columns,))(others.ravel(), columns.ravel(), a=shares[0])
         return
-    tiled = np.tile(shares, TOGETHER)
+    tiled = np.empty((TOGETHER, len(shares)), shares.dtype)
+    tiled[:] = shares
+    tiled = tiled.ravel()
     whole = len(columns) // TOGETHER * TOGETHER
     for part in row_parts(whole, columns.shape[1]):
         changed = _join_rows(columns[part])

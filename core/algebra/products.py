@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sparse products on all cores: SciPy releases the interpreter's lock, so that threads can share the rows."""
+"""Sparse products on all cores: SciPy releases the interpreter's lock, so that threads can share the rows.
 
-from functools import cached_property
+The kernels of SciPy are called here without its checks of formats and types, which take half the time of a product on
+the small levels of a cycle. A range of rows needs no matrix of its own: the kernels find its entries by the row
+pointers, and write to a part of the result.
+"""
+
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import _sparsetools, csr_matrix
 
 from . import workers
 
 # Multiplications (stored entries times columns) below which a thread costs more than it saves.
-WORTH_SHARING = 1_000_000
+WORTH_SHARING = 250_000
 
 
 class Matrix(Protocol):
@@ -34,35 +38,40 @@ class SharedRows:
         self.matrix = matrix
         self.dtype, self.shape = matrix.dtype, matrix.shape
         self.diagonal = matrix.diagonal
+        self._ranges: dict[int, list[tuple[int, int]]] = {}
 
     def __matmul__(self, columns: np.ndarray) -> np.ndarray:
-        matrix = self.matrix
-        if len(columns) > matrix.shape[1]:
-            return (self @ columns.reshape(matrix.shape[1], -1)).reshape(-1, columns.shape[1])
-        if workers.idle_workers() == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
+        matrix, (height, width) = self.matrix, self.shape
+        if len(columns) > width:
+            return (self @ columns.reshape(width, -1)).reshape(-1, columns.shape[1])
+        if len(columns) < width:
+            raise ValueError(f"{self.shape} times {columns.shape}")
+        if columns.dtype != self.dtype:
             return matrix @ columns
-        columns = np.ascontiguousarray(columns)
-        result = np.empty((matrix.shape[0], *columns.shape[1:]), np.result_type(matrix.dtype, columns.dtype))
+        flat, result = np.ascontiguousarray(columns).ravel(), np.zeros((height, *columns.shape[1:]), self.dtype)
+        count = len(flat) // width if width else 1
 
-        def fill(part: tuple[slice, csr_matrix]) -> None:
-            rows, share = part
-            result[rows] = share @ columns
+        def fill(rows: tuple[int, int]) -> None:
+            first, last = rows
+            entries = matrix.indptr[first : last + 1], matrix.indices, matrix.data
+            part = result[first:last].ravel()  # a view
+            if count == 1:
+                _sparsetools.csr_matvec(last - first, width, *entries, flat, part)
+            else:
+                _sparsetools.csr_matvecs(last - first, width, count, *entries, flat, part)
 
-        workers.pool.map(fill, self._parts)
+        threads = workers.idle_workers() if matrix.nnz * count >= WORTH_SHARING else 1
+        if threads == 1:
+            fill((0, height))
+        else:
+            workers.pool.map(fill, self._ranges_for(threads))
         return result
 
-    @cached_property
-    def _parts(self) -> list[tuple[slice, csr_matrix]]:
-        """Row ranges of about equal work, and views of their matrices."""
-        matrix = self.matrix
-        wanted = np.linspace(0, matrix.nnz, workers.WORKERS + 1)
-        cuts = np.searchsorted(matrix.indptr, wanted).clip(0, matrix.shape[0])
-        cuts[0], cuts[-1] = 0, matrix.shape[0]
-        return [(slice(first, last), _rows(matrix, first, last)) for first, last in pairwise(cuts)]
-
-
-def _rows(matrix: csr_matrix, first: int, last: int) -> csr_matrix:
-    """View the rows first..last as a matrix that shares the memory of ``matrix``."""
-    start, end = matrix.indptr[first], matrix.indptr[last]
-    parts = (matrix.data[start:end], matrix.indices[start:end], matrix.indptr[first : last + 1] - start)
-    return type(matrix)(parts, shape=(last - first, matrix.shape[1]), copy=False)
+    def _ranges_for(self, threads: int) -> list[tuple[int, int]]:
+        """First and last rows of ranges with about equal work."""
+        if threads not in self._ranges:
+            matrix, height = self.matrix, self.shape[0]
+            cuts = np.searchsorted(matrix.indptr, np.linspace(0, matrix.nnz, threads + 1)).clip(0, height)
+            cuts[0], cuts[-1] = 0, height
+            self._ranges[threads] = list(pairwise(cuts.tolist()))
+        return self._ranges[threads]

@@ -20,8 +20,33 @@ _thread = local()
 
 
 def idle_workers() -> int:
-    """Count the threads that may share work started here: one inside shared work."""
-    return 1 if getattr(_thread, "is_shared", False) else WORKERS
+    """Count the threads that may share work started here: inside shared work a part of them."""
+    share: _Share | None = getattr(_thread, "share", None)
+    return WORKERS if share is None else share.workers
+
+
+class _Share:
+    """The threads for each of some parts of shared work: more of them when only a few parts are left.
+
+    Which threads compute something must not change it: shared work is split into the same parts for any number, or
+    by rows that do not depend on one another.
+    """
+
+    def __init__(self, total: int, parts: int, at_once: int) -> None:
+        self._total, self._left, self._at_once, self._lock = total, parts, at_once, Lock()
+
+    @property
+    def workers(self) -> int:
+        """Count the threads for a part."""
+        return self._total // max(min(self._left, self._at_once), 1)
+
+    def end_part(self) -> None:
+        """Leave the threads of a part to those that are left."""
+        with self._lock:
+            self._left -= 1
+
+
+_ALONE = _Share(1, 1, 1)
 
 
 class _Pool:
@@ -48,12 +73,24 @@ class _Pool:
             ended.shutdown()
 
     def map(self, work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
-        """Compute [work(part) for part in parts], in threads if a solve is inside."""
+        """Compute [work(part) for part in parts], in threads and the calling one if a solve is inside."""
+        first, *others = parts
         with self._lock:
             if self._inside and self._executor is None:
                 self._executor = ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
             executor = self._executor
-        return list((map if executor is None else executor.map)(work, parts))
+        if executor is None:
+            return [work(part) for part in parts]
+
+        def alone(part: Part) -> Result:
+            _thread.share = _ALONE
+            return work(part)
+
+        running = [executor.submit(alone, part) for part in others]
+        try:
+            return [work(first), *(future.result() for future in running)]
+        finally:
+            wait(running)
 
 
 pool = _Pool()
@@ -108,14 +145,18 @@ def share_out(
     raises :class:`OutOfTime` when the caller is stopped or another part fails. When the time limit passes, work may
     return its best result instead.
     """
-    threads = min(idle_workers(), len(parts), at_once)
-    if threads == 1:
+    idle = idle_workers()
+    threads = min(idle, len(parts), at_once)
+    if threads <= 1:
         return [work(part, monitor) for part in parts]
-    follower = _Follower()
+    follower, share = _Follower(), _Share(idle, len(parts), threads)
 
     def alone(part: Part) -> Result:
-        _thread.is_shared = True
-        return work(part, follower)
+        _thread.share = share
+        try:
+            return work(part, follower)
+        finally:
+            share.end_part()
 
     executor = ThreadPoolExecutor(threads)
     running = [executor.submit(alone, part) for part in parts]

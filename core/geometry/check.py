@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks for meshes that cannot carry a field; errors name the element and the remedy."""
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from ..errors import MeshError, name_elements
@@ -14,6 +16,8 @@ COARSE_STEP = 0.02
 # Vertices too far out for single precision are named if they are at most this share of all, and this many times as far
 # out as the median of the others.
 FEW_FAR, ALONE = 0.1, 100.0
+# Warnings of :func:`coarse_mesh`.
+_warnings: WeakKeyDictionary[TriangleMesh, str] = WeakKeyDictionary()
 
 
 def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
@@ -58,6 +62,13 @@ def coarse_places(places: np.ndarray, edges: np.ndarray) -> str:
         f"coordinates of {reach.max():.2g} leave steps of {steps.max():.2g} between neighbours in single precision: "
         "move the object's vertices to its origin before export"
     )
+
+
+def coarse_mesh(mesh: TriangleMesh) -> str:
+    """The warning of :func:`coarse_places` about a mesh, computed once: each step of Live reports it."""
+    if mesh not in _warnings:
+        _warnings[mesh] = coarse_places(mesh.vertices, mesh.edges)
+    return _warnings[mesh]
 
 
 def far_vertices(places: np.ndarray, edges: np.ndarray) -> np.ndarray:

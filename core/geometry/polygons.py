@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces with any number of corners, and the triangles that they are split into."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Self
 
@@ -44,10 +44,14 @@ class Polygons:
         corner_vertices[self.triangle_corners] = triangles
         return replace(self, corner_vertices=corner_vertices)
 
-    @property
+    @cached_property
     def triangles(self) -> np.ndarray:
         """(m, 3) vertices of the triangles."""
         return self.corner_vertices[self.triangle_corners]
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without what is quickly made again: for another process."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def first_triangles(self) -> np.ndarray:
@@ -76,6 +80,15 @@ class Polygons:
             halves = np.flatnonzero(following[first] == second)
             found[first[halves]] = halves
         return found
+
+    @cached_property
+    def rim_steps(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The faces with triangles, and the corners of their rims, that are reached by each step from their starts."""
+        steps = []
+        for step in range(1, self.sizes.max(initial=0)):
+            going = np.flatnonzero(self.drawn & (self.sizes > step))
+            steps.append((going, self.starts[going] + step))
+        return steps
 
     def at_corners(self, values: np.ndarray) -> np.ndarray:
         """Take (c, ...) values at corners, those of duplicate faces from their originals."""

@@ -114,7 +114,9 @@ def is_unchanged(obj, given):
     if not (np.array_equal(places, given.uncut.vertices[: given.vertex_count]) and has_faces(now, given)):
         return False
     drawn = now.triangle_corners[then.drawn[now.triangle_faces]]
-    is_drawn_alike = np.array_equal(np.sort(drawn, axis=1), np.sort(then.triangle_corners, axis=1))
+    is_drawn_alike = np.array_equal(drawn, then.triangle_corners)
+    if not is_drawn_alike:  # repaired triangles may run the other way round
+        is_drawn_alike = np.array_equal(np.sort(drawn, axis=1), np.sort(then.triangle_corners, axis=1))
     return is_drawn_alike and np.array_equal(_stretch(obj), given.stretch)
 
 

@@ -12,7 +12,7 @@ import scipy
 
 from ... import __version__
 from ...core.errors import name_elements, one_line, plural
-from ...core.geometry.check import coarse_places
+from ...core.geometry.check import coarse_mesh
 from ...core.memory import peak_megabytes
 from ...core.solution import Clock
 from ..blender.meshes import measured_key
@@ -65,7 +65,7 @@ class Report:
         self.shape_key = None if key is None else key.name
         for finding in request.given.findings:
             self.warn(finding.line)
-        coarse = coarse_places(request.given.mesh.vertices, request.given.mesh.edges)
+        coarse = coarse_mesh(request.given.mesh)
         if coarse:
             self.warn(coarse)
         loose = request.given.loose_vertices

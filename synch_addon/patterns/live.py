@@ -32,8 +32,10 @@ from .job import write_result
 
 _NAME = "Live"
 # Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change; in
-# which a new pattern fades in.
-_TICK, _PATIENCE, _REST, _FADE = 0.03, 0.7, 0.33, 0.4
+# which a new pattern fades in. At 35,000 vertices it is whole a second after the last step.
+_TICK, _PATIENCE, _REST, _FADE = 0.03, 0.7, 0.33, 0.2
+# The share of the rest after which the new pattern is solved for. It is not shown before the rest ends.
+_HEAD_START = 0.4
 # A new pattern fades in where its energy is below this share of the shown one's.
 _BETTER = 0.97
 # What a pattern does not depend on, but its search, its faces and quad meshes do.
@@ -149,7 +151,9 @@ class _Live:
         asked = self._asked(obj, shown)
         known = (shown.report.settings, shown.report.curves_read), self._asked_last
         if asked is None or (asked in known and not self._is_painted):
-            if self._changed is not None and time.monotonic() > self._changed + _REST:
+            is_first = self._fade is None and self._stages[:1] == [ANEW]
+            rest = _HEAD_START * _REST if is_first else _REST
+            if self._changed is not None and time.monotonic() > self._changed + rest:
                 self._settle(obj, shown, asked)
             return
         if self._mesh is not shown.request.given.mesh:
@@ -192,7 +196,7 @@ class _Live:
                 raise work.error
             if job.request.settles == ANEW:
                 if work.result.pattern.energy < _BETTER * self._shown.pattern.energy:
-                    self._fade = job, work.result, time.monotonic()
+                    self._fade = job, work.result, max(time.monotonic(), self._changed + _REST)
                 return
             job.write(work.result)
             undo_steps.owe(_NAME)

@@ -233,6 +233,25 @@ def test_after_a_rest_a_better_pattern_fades_in_and_is_proved(monkeypatch, comma
     assert len(memory._fields.get(obj)._compact) == count and followed() == 0
 
 
+def test_a_new_pattern_is_solved_for_while_the_hand_rests_but_not_shown_before_it_has_rested(monkeypatch):
+    obj = striped(lambda: sphere(4), spacing=0.3)
+    for step in range(1, 9):
+        obj.synch.spacing = 0.3 * 1.01**step
+        assert followed() == 1
+    shown, rest = memory.state(obj), 2.0
+    monkeypatch.setattr(live_module, "_REST", rest)
+    live._changed = time.monotonic()
+    end = live._changed + rest
+    while live._fade is None:
+        live.step(bpy.context)
+        assert memory.state(obj) is shown and time.monotonic() < end
+        time.sleep(0.005)
+    while memory.state(obj) is shown:
+        live.step(bpy.context)
+        time.sleep(0.005)
+    assert end <= time.monotonic() < end + 5 and memory.state(obj).plain["energy"] != shown.plain["energy"]
+
+
 def test_directions_settle_where_guides_have_turned_them(monkeypatch):
     obj = tube()
     obj.synch.guidance, obj.synch.guide.axis = "AXIS", "Z"

@@ -52,9 +52,9 @@ def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, cou
                 result = shared @ layout
                 assert result.dtype == expected.dtype and result.shape == expected.shape
                 np.testing.assert_array_equal(result, expected)
-    assert matrix.nnz * 24 > products.WORTH_SHARING and "_parts" in vars(shared)
-    rows = [rows for rows, _ in shared._parts]
-    assert len(rows) == count and rows[0].start == 0 and rows[-1].stop == matrix.shape[0]
+    assert matrix.nnz * 24 > products.WORTH_SHARING and list(shared._ranges) == [count]
+    rows = shared._ranges[count]
+    assert len(rows) == count and rows[0][0] == 0 and rows[-1][1] == matrix.shape[0]
 
 
 def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):
@@ -77,6 +77,13 @@ def test_small_products_are_not_shared(monkeypatch):
     matrix = csr_matrix(random_array((500, 500), density=0.1, rng=np.random.default_rng(2)))
     right = np.ones((500, 4))
     np.testing.assert_array_equal(SharedRows(matrix) @ right, matrix @ right)
+
+
+def test_columns_that_do_not_fit_are_refused():
+    """SciPy's kernels would read past the end of the columns."""
+    matrix = SharedRows(csr_matrix(np.eye(5)))
+    with pytest.raises(ValueError, match="times"):
+        matrix @ np.ones((4, 2))
 
 
 def test_the_diagonal_is_the_matrix_s():

@@ -32,11 +32,48 @@ def count(request, monkeypatch):
 def test_results_come_in_the_order_of_the_parts(count):
     def work(part, monitor):
         time.sleep(0.01 * (part % 3))
-        return part, idle_workers()
+        return part
 
-    # Inside of shared work nothing is shared again.
-    assert share_out(work, range(7), SILENT) == [(part, 1) for part in range(7)]
+    assert share_out(work, range(7), SILENT) == list(range(7))
+
+
+def test_parts_share_the_threads_that_others_leave(count):
+    both, first_has_ended = threading.Barrier(min(count, 2), timeout=5), threading.Event()
+
+    def work(part, monitor):
+        both.wait()
+        found = [idle_workers()]
+        both.wait()
+        if part == 1 and count > 1:
+            assert first_has_ended.wait(5)
+            while idle_workers() < count:
+                time.sleep(0.001)
+            found.append(idle_workers())
+        first_has_ended.set()
+        return found
+
+    expected = {1: [[1], [1]], 2: [[1], [1, 2]], 5: [[2], [2, 5]]}
+    assert share_out(work, range(2), SILENT) == expected[count]
     assert idle_workers() == count
+
+
+def test_threads_of_the_pool_share_nothing_again(count):
+    with workers.solving():
+        assert workers.pool.map(lambda part: (part, idle_workers()), range(4))[1:] == [(part, 1) for part in (1, 2, 3)]
+
+
+def test_an_error_in_a_part_comes_out_when_all_parts_have_ended(count):
+    ended = []
+
+    def work(part):
+        if part == 0:
+            raise ZeroDivisionError
+        time.sleep(0.02)
+        ended.append(part)
+
+    with workers.solving(), pytest.raises(ZeroDivisionError):
+        workers.pool.map(work, range(3))
+    assert sorted(ended) == [1, 2]
 
 
 def test_all_threads_work_at_once(count):

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SynchError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.check import check_mesh, coarse_places, far_vertices, refuse_far_vertices
+from synch_fields.core.geometry.check import check_mesh, coarse_mesh, coarse_places, far_vertices, refuse_far_vertices
 
 from ..meshes import EVERY, cube, honeycomb_sphere, icosphere, mixed_torus, quad_torus, shared_mesh, square, together
 
@@ -191,3 +191,5 @@ def test_an_object_far_out_is_not_blamed_on_single_vertices(shift):
     assert len(far_vertices(vertices, mesh.edges)) == 0
     refuse_far_vertices(TriangleMesh(vertices, mesh.triangles))
     assert ("move the object" in coarse_places(vertices, mesh.edges)) == (shift > 0)
+    shifted = TriangleMesh(vertices, mesh.triangles)
+    assert [coarse_mesh(shifted), coarse_mesh(shifted)] == 2 * [coarse_places(vertices, mesh.edges)]

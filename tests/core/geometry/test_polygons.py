@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces that look like others still do when those were split."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -101,3 +102,22 @@ def test_faces_without_triangles_have_no_half_edges_along_their_rims():
     left = polygons.triangle_faces == 0
     polygons = replace(polygons, triangle_corners=polygons.triangle_corners[left], triangle_faces=np.zeros(4, int))
     assert (polygons.rim_half_edges[:6] >= 0).all() and (polygons.rim_half_edges[6:] == -1).all()
+
+
+def test_steps_along_rims_reach_every_corner_of_a_face_but_its_start_in_turn():
+    polygons, _ = solved([*SURFACE, [0, 5, 7]])
+    walks = [[start] for start in polygons.starts.tolist()]
+    for faces, corners in polygons.rim_steps:
+        for face, corner in zip(faces.tolist(), corners.tolist(), strict=True):
+            walks[face].append(corner)
+    assert walks == [[*range(0, 6)], [*range(6, 9)], [*range(9, 12)]]
+
+
+def test_faces_are_sent_without_what_the_other_process_computes_again():
+    polygons, _ = solved(SURFACE)
+    size = len(pickle.dumps(polygons))
+    computed = polygons.rim_half_edges, polygons.rim_steps, polygons.triangles, polygons.corner_faces
+    assert len(pickle.dumps(polygons)) == size
+    sent = pickle.loads(pickle.dumps(polygons))
+    np.testing.assert_array_equal(sent.rim_half_edges, computed[0])
+    np.testing.assert_array_equal(sent.triangles, computed[2])
