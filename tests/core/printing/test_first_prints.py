@@ -16,7 +16,6 @@ from synch_fields.core.fields.guidance.filled import along_axis
 from synch_fields.core.fields.layers import solve_layers
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.lengths import MOST_TETS, Lengths
-from synch_fields.core.printing.heights import below
 from synch_fields.core.printing.machine import read_machine
 from synch_fields.core.solve import Certificate, Options, Status
 from synch_fields.core.tasks.layer_outputs import Layering, PathSettings
@@ -84,20 +83,57 @@ def test_a_layer_without_height_is_refused_and_not_dragged_over_the_bed():
         _ = flat.course
 
 
+@pytest.mark.full_search
 def test_distances_that_are_told_hold_for_rays_from_layer_to_layer():
-    """In a bar whose layers fan out and end inside; rays beside the ends of layers count as what is not told."""
+    """In a bar whose layers fan out and end inside, for rays at random that are held against every triangle.
+
+    Gradients of the phase once said that 98 % were within limits which 95 % kept; ends of layers were left out.
+    """
     mesh, around = bent_bar((6, 30, 4), 1, 2, 1.5, 0.6)
     pattern = solve_layers(mesh, around, 0.2)
-    surfaces, told = layer_surfaces(pattern.edge_phases, pattern.heights), pattern.spacings
-    found = below(surfaces, mesh, surfaces.vertices, surfaces.mesh.vertex_normals, _layer_of_vertices(surfaces), 0.2)
-    between = found.layers >= 0
-    weights, heights = surfaces.mesh.vertex_masses[between], found.heights[between]
-    inside = (heights > 0.97 * told.thinnest) & (heights < 1.03 * told.thickest)
-    assert told.counted < 1 and told.counted * 0.98 - 0.05 < weights[inside].sum() / weights.sum()
-    assert weights[heights < told.mean / 2].sum() < 0.02 * weights.sum()
+    surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
+    told = Layering(pattern, surfaces, (), np.eye(4)).spacings
+    distances = ray_distances(surfaces, mesh.boundary_surface[0], 1200)
+    inside = ((distances > told.thinnest) & (distances < told.thickest)).mean()
+    assert told.counted * 0.98 == pytest.approx(inside, abs=0.01)
+    assert distances.mean() == pytest.approx(told.mean, rel=0.01)
+    # The phase alone promises more than there is.
+    told = pattern.spacings
+    assert ((distances > told.thinnest) & (distances < told.thickest)).mean() < told.counted * 0.98 - 0.01
 
 
-def _layer_of_vertices(surfaces):
-    layers = np.zeros(len(surfaces.vertices), int)
-    layers[surfaces.triangles] = surfaces.layers[:, None]
-    return layers
+def test_distances_of_even_layers_are_told_by_the_phase():
+    result = request_along_z(cube(2), 0.1, 0.2).solve()
+    layering = Layering(result.pattern, result.surfaces, result.curves, np.eye(4))
+    assert layering.spacings.thinnest == pytest.approx(0.1, rel=1e-9)
+    assert ray_distances(result.surfaces, result.solid.boundary_surface[0], 50) == pytest.approx(0.1, rel=1e-6)
+
+
+def ray_distances(surfaces, boundary, count):
+    """(k,) distances from places on layers, at random, to the next layer along the normal on either side, of those that
+    meet one before the boundary; what is nearer than 0.3 spacings on the same layer is not another one."""
+    random, mesh = np.random.default_rng(0), surfaces.mesh
+    triangles = random.choice(mesh.triangle_count, count, p=mesh.areas / mesh.areas.sum())
+    weights = random.dirichlet(np.ones(3), count)
+    corners = np.concatenate([mesh.vertices[mesh.triangles], boundary.vertices[boundary.triangles]])
+    layers = np.append(surfaces.layers, np.full(boundary.triangle_count, -1))
+    found = []
+    for triangle, weight in zip(triangles, weights, strict=True):
+        origin = weight @ corners[triangle]
+        for side in (1, -1):
+            ray = side * mesh.face_normals[triangle]
+            # origin + t ray = a + u (b - a) + v (c - a), by Cramer's rule.
+            ab, ac, away = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], origin - corners[:, 0]
+            across, normal = np.cross(away, ray), np.cross(ab, ac)
+            slope = -normal @ ray
+            with np.errstate(all="ignore"):
+                t = np.einsum("kx,kx->k", normal, away) / slope
+                u = np.einsum("kx,kx->k", ac, across) / slope
+                v = -np.einsum("kx,kx->k", ab, across) / slope
+                hit = (np.minimum(u, v) >= 0) & (u + v <= 1) & (t > 1e-9)
+            hit &= (layers != surfaces.layers[triangle]) | (t > 0.06)
+            if hit.any():
+                first = np.flatnonzero(hit)[t[hit].argmin()]
+                if layers[first] >= 0:
+                    found.append(t[first])
+    return np.array(found)
