@@ -203,19 +203,25 @@ def filled_shares(beads, points):
     return float(filled.mean()), float(near.mean())
 
 
-def travels_through(beads, travels):
-    """(s,) bool: samples of travels whose tip is inside a bead that was printed before, more than a tenth below its
+def moves_through(beads, samples):
+    """(s,) bool: samples whose tip is inside a bead that was printed before, more than a tenth below its
     top and a tenth inside its sides.
 
     The last width of the bead that the tip comes from does not count: the tip stands on it, and boxes do not bend.
     """
-    hit, last = np.zeros(len(travels.tips), bool), np.searchsorted(beads.moves, travels.moves) - 1
-    for row, near, up, aside in beads.around(travels.tips):
-        inside = (beads.moves[near] < travels.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)
+    hit, last = np.zeros(len(samples.tips), bool), np.searchsorted(beads.moves, samples.moves) - 1
+    for row, near, up, aside in beads.around(samples.tips):
+        inside = (beads.moves[near] < samples.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)
         own = beads.numbers[near] == beads.numbers[last[row]]
         own &= beads.arc_lengths[last[row]] - beads.arc_lengths[near] < beads.widths[near]
         hit[row[inside & ~own]] = True
     return hit
+
+
+def tip_speed(moves, samples):
+    """Millimetres a second of the tip on the part in the fastest move that extrudes, of its samples."""
+    ways = np.bincount(samples.moves, samples.spans, len(moves.seconds))
+    return float((ways[moves.printing] / moves.seconds[moves.printing]).max())
 
 
 def turn_speed(moves):
