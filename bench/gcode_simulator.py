@@ -25,6 +25,7 @@ class Moves:
     extruded : (m,) length of filament, negative where it is drawn back
     seconds : (m,) that the program asks for
     widths, heights : (m,) of the last comments before
+    travels : (m,) bool, moves without a word for the filament; where the table turns about the tip, none is drawn
     kinds : (m,) names of the last ;TYPE: before
     is_tcp : whether coordinates are tip positions on the part (G43.4)
     """
@@ -35,6 +36,7 @@ class Moves:
     seconds: np.ndarray
     widths: np.ndarray
     heights: np.ndarray
+    travels: np.ndarray
     kinds: np.ndarray
     is_tcp: bool
 
@@ -81,14 +83,13 @@ def read_moves(text):
             feed = values.get("F", feed)
             way = np.linalg.norm(np.subtract(end, begin)[:3])
             way = way if way > 0 else np.linalg.norm(np.subtract(end, begin)[3:]) or abs(amount)
-            rows.append(
-                [*begin, *end, amount, 60 / feed if is_timed and "G1" in codes else 60 * way / feed, width, height]
-            )
+            seconds = 60 / feed if is_timed and "G1" in codes else 60 * way / feed
+            rows.append([*begin, *end, amount, seconds, width, height, given is None])
             kinds.append(kind)
     table = np.array(rows)
     stop = np.flatnonzero((table[:, 12] > 0) & (table[:, :6] != table[:, 6:12]).any(axis=1))[-1] + 1
     table, kinds = table[:stop], np.array(kinds[:stop])
-    return Moves(table[:, :6], table[:, 6:12], *table[:, 12:16].T, kinds, is_tcp)
+    return Moves(table[:, :6], table[:, 6:12], *table[:, 12:16].T, table[:, 16] > 0, kinds, is_tcp)
 
 
 def _rotations(axis, degrees):
@@ -172,7 +173,7 @@ class Beads:
         self.moves, self._tools = samples.moves, samples.tools
         self.widths, self._heights = moves.widths[samples.moves], moves.heights[samples.moves]
         # Travels before each sample, which is the number of its bead, and the way that the tip has printed.
-        self.numbers = np.cumsum(moves.extruded == 0)[samples.moves]
+        self.numbers = np.cumsum(moves.travels)[samples.moves]
         self.arc_lengths = np.cumsum(samples.spans)
         self._middles = samples.tips - self._heights[:, None] / 2 * samples.tools
         self._tree = cKDTree(self._middles)

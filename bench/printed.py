@@ -175,7 +175,7 @@ def simulated(meshes, benchy, name):
     moves = read_moves(text)
     beads = moves.printing & (moves.kinds != "Skirt/Brim")
     samples = sampled(moves, beads, machine.pivot_z, APART * step)
-    travels = sampled(moves, moves.extruded == 0, machine.pivot_z, APART * step)
+    travels = sampled(moves, moves.travels, machine.pivot_z, APART * step)
     places = places_in(surface.distance)
     moved = places - plan.lowest + [*machine.middle, 0]
     volume = moves.extruded[beads].sum() * np.pi * machine.filament**2 / 4
