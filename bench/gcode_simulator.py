@@ -25,6 +25,7 @@ class Moves:
     extruded : (m,) length of filament, negative where it is drawn back
     seconds : (m,) that the program asks for
     widths, heights : (m,) of the last comments before
+    travels : (m,) bool, moves without a word for the filament; where the table turns about the tip, none is drawn
     kinds : (m,) names of the last ;TYPE: before
     is_tcp : whether coordinates are tip positions on the part (G43.4)
     """
@@ -35,6 +36,7 @@ class Moves:
     seconds: np.ndarray
     widths: np.ndarray
     heights: np.ndarray
+    travels: np.ndarray
     kinds: np.ndarray
     is_tcp: bool
 
@@ -81,14 +83,13 @@ def read_moves(text):
             feed = values.get("F", feed)
             way = np.linalg.norm(np.subtract(end, begin)[:3])
             way = way if way > 0 else np.linalg.norm(np.subtract(end, begin)[3:]) or abs(amount)
-            rows.append(
-                [*begin, *end, amount, 60 / feed if is_timed and "G1" in codes else 60 * way / feed, width, height]
-            )
+            seconds = 60 / feed if is_timed and "G1" in codes else 60 * way / feed
+            rows.append([*begin, *end, amount, seconds, width, height, given is None])
             kinds.append(kind)
     table = np.array(rows)
     stop = np.flatnonzero((table[:, 12] > 0) & (table[:, :6] != table[:, 6:12]).any(axis=1))[-1] + 1
     table, kinds = table[:stop], np.array(kinds[:stop])
-    return Moves(table[:, :6], table[:, 6:12], *table[:, 12:16].T, kinds, is_tcp)
+    return Moves(table[:, :6], table[:, 6:12], *table[:, 12:16].T, table[:, 16] > 0, kinds, is_tcp)
 
 
 def _rotations(axis, degrees):
@@ -172,7 +173,7 @@ class Beads:
         self.moves, self._tools = samples.moves, samples.tools
         self.widths, self._heights = moves.widths[samples.moves], moves.heights[samples.moves]
         # Travels before each sample, which is the number of its bead, and the way that the tip has printed.
-        self.numbers = np.cumsum(moves.extruded == 0)[samples.moves]
+        self.numbers = np.cumsum(moves.travels)[samples.moves]
         self.arc_lengths = np.cumsum(samples.spans)
         self._middles = samples.tips - self._heights[:, None] / 2 * samples.tools
         self._tree = cKDTree(self._middles)
@@ -203,19 +204,25 @@ def filled_shares(beads, points):
     return float(filled.mean()), float(near.mean())
 
 
-def travels_through(beads, travels):
-    """(s,) bool: samples of travels whose tip is inside a bead that was printed before, more than a tenth below its
+def moves_through(beads, samples):
+    """(s,) bool: samples whose tip is inside a bead that was printed before, more than a tenth below its
     top and a tenth inside its sides.
 
     The last width of the bead that the tip comes from does not count: the tip stands on it, and boxes do not bend.
     """
-    hit, last = np.zeros(len(travels.tips), bool), np.searchsorted(beads.moves, travels.moves) - 1
-    for row, near, up, aside in beads.around(travels.tips):
-        inside = (beads.moves[near] < travels.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)
+    hit, last = np.zeros(len(samples.tips), bool), np.searchsorted(beads.moves, samples.moves) - 1
+    for row, near, up, aside in beads.around(samples.tips):
+        inside = (beads.moves[near] < samples.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)
         own = beads.numbers[near] == beads.numbers[last[row]]
         own &= beads.arc_lengths[last[row]] - beads.arc_lengths[near] < beads.widths[near]
         hit[row[inside & ~own]] = True
     return hit
+
+
+def tip_speed(moves, samples):
+    """Millimetres a second of the tip on the part in the fastest move that extrudes, of its samples."""
+    ways = np.bincount(samples.moves, samples.spans, len(moves.seconds))
+    return float((ways[moves.printing] / moves.seconds[moves.printing]).max())
 
 
 def turn_speed(moves):

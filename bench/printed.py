@@ -23,9 +23,10 @@ from synch_fields.bench.gcode_simulator import (
     Beads,
     deviations,
     filled_shares,
+    moves_through,
     read_moves,
     sampled,
-    travels_through,
+    tip_speed,
     turn_speed,
 )
 from synch_fields.bench.meshes import read_obj
@@ -58,8 +59,10 @@ COLUMNS = (
     Column("in a bead", "filled", ".1%"),
     Column("within half a width", "near", ".1%"),
     Column("tip off, mm", "off", ".3f"),
+    Column("tip, mm a second", "tip_speed", ".0f"),
     Column("table, degrees a second", "speed", ".0f"),
     Column("travels through beads", "through", ".2%"),
+    Column("beads through beads", "pressed", ".2%"),
     Column("s layers", "solved", ".0f"),
     Column("s program", "planned", ".0f"),
     Column("of both in the solver", "solver", ".1%"),
@@ -172,7 +175,7 @@ def simulated(meshes, benchy, name):
     moves = read_moves(text)
     beads = moves.printing & (moves.kinds != "Skirt/Brim")
     samples = sampled(moves, beads, machine.pivot_z, APART * step)
-    travels = sampled(moves, moves.extruded == 0, machine.pivot_z, APART * step)
+    travels = sampled(moves, moves.travels, machine.pivot_z, APART * step)
     places = places_in(surface.distance)
     moved = places - plan.lowest + [*machine.middle, 0]
     volume = moves.extruded[beads].sum() * np.pi * machine.filament**2 / 4
@@ -187,8 +190,10 @@ def simulated(meshes, benchy, name):
         "filled": filled,
         "near": near,
         "off": float(deviations(samples, [course.points[run] for run in course.runs], APART * step).max()),
+        "tip_speed": tip_speed(moves, samples),
         "speed": turn_speed(moves) if tilts else 0.0,
-        "through": float(travels_through(printed, travels).mean()),
+        "through": float(moves_through(printed, travels).mean()),
+        "pressed": float(moves_through(printed, samples).mean()),
         "solved": middle - start,
         "planned": end - middle,
         "solver": sum(in_solver) / (end - start),

@@ -37,6 +37,15 @@ def one_line(text: object) -> str:
     return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else ascii(c)[1:-1] for c in text)
 
 
+def round_up(value: float, digits: int = 3) -> str:
+    """The smallest number of so many digits that is not below a positive value: a limit that messages name is kept."""
+    text = f"{value:.{digits}g}"
+    if float(text) < value:
+        exponent = int(f"{value:.{digits - 1}e}".split("e")[1])
+        text = f"{float(text) + 10.0 ** (exponent - digits + 1):.{digits}g}"
+    return text
+
+
 class MeshError(SynchError):
     """The mesh cannot carry a field."""
 

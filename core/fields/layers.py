@@ -24,7 +24,7 @@ from .evenness import quantiles
 from .guidance.potentials import potential
 
 # Share of the volume at either end that does not count for the thinnest and thickest layers, as single extremes.
-_RARE = 0.01
+RARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class LayerPattern:
         met, volumes = distances[counts], self.mesh.volumes[counts]
         mean = np.average(met, weights=volumes)
         deviation = np.sqrt(np.average((met - mean) ** 2, weights=volumes))
-        thinnest, thickest = quantiles(met, volumes, [_RARE, 1 - _RARE])
+        thinnest, thickest = quantiles(met, volumes, [RARE, 1 - RARE])
         share = volumes.sum() / self.mesh.volumes.sum()
         return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
 

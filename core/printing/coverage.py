@@ -11,6 +11,7 @@ from ..extract.lines.isolines import Isolines
 from ..geometry import TriangleMesh
 from ..geometry.polylines import divide_pieces
 from ..graphs import ragged_arange
+from .subdivision import places_in
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
 _PARTS = 8
@@ -124,15 +125,11 @@ def share_area(
 
 
 def _samples(mesh: TriangleMesh, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places spread evenly over triangles, one at least on each, and (k,) the triangle of each (Martin Roberts' R2
-    sequence, folded into the triangle)."""
+    """Places spread evenly over triangles, one at least on each, and (k,) the triangle of each."""
     each = max((step / _SAMPLES) ** 2, mesh.areas.sum() / _MOST)
     counts = np.maximum(np.ceil(mesh.areas / each).astype(int), 1)
     triangle, place = ragged_arange(counts)
-    u, v = ((place + 0.5 + triangle)[:, None] * [0.7548776662466927, 0.5698402909980532] % 1).T
-    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
-    a, b, c = (mesh.vertices[column[triangle]] for column in mesh.triangles.T)
-    return a + u[:, None] * (b - a) + v[:, None] * (c - a), triangle
+    return places_in(mesh, triangle, place + triangle), triangle
 
 
 def even_along(lines: Isolines, amounts: np.ndarray, length: float) -> np.ndarray:

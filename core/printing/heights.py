@@ -12,7 +12,7 @@ from ..extract.layers.surfaces import LayerSurfaces
 from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
 from ..graphs import pairs_within
-from .subdivision import subdivide
+from .subdivision import places_in, subdivide
 
 # In place of a layer's number: the end of the solid is next, and neither within the depth of the search.
 OUTSIDE, NOTHING = -1, -2
@@ -23,6 +23,8 @@ _SIZE, _MOST = 0.75, 1_000_000
 # A layer does not lie on itself within this many spacings: its triangles around the point are not below it.
 _ITSELF = 0.3
 _SLACK, _ON_LAYER = 1e-9, 1e-6
+# Rays on each side that distances of layers are measured along.
+_RAYS = 4000
 # Spheres around triangles are wider by this, for rounding; trees have triangles of sizes within this factor.
 _WIDER, _SIZES = 1e-6, 2.0
 
@@ -55,6 +57,26 @@ def below(
     meshes = (surfaces.mesh, solid.boundary_surface[0])
     kinds = (surfaces.layers, np.full(meshes[1].triangle_count, OUTSIDE))
     return _search(meshes, kinds, points, normals, layers, spacing, _DEPTH)
+
+
+def sample_distances(surfaces: LayerSurfaces, solid: TetMesh, spacing: float) -> tuple[np.ndarray, float]:
+    """Measure distances between layers along rays, up and down from places spread evenly over the layers.
+
+    Returns (k,) distances, in scene units, and the share of the rays which reach a layer of those that the solid's end
+    does not stop.
+    """
+    mesh, even = surfaces.mesh, (np.arange(_RAYS) + 0.5) / _RAYS
+    reached = np.cumsum(mesh.areas)
+    triangles = np.searchsorted(reached, even * reached[-1])
+    points, normals, own = (
+        places_in(mesh, triangles, np.arange(_RAYS)),
+        mesh.face_normals[triangles],
+        surfaces.layers[triangles],
+    )
+    found = [below(surfaces, solid, points, side * normals, own, spacing) for side in (1, -1)]
+    kinds, heights = (np.concatenate([getattr(one, name) for one in found]) for name in ("layers", "heights"))
+    distances = heights[kinds >= 0]
+    return distances, len(distances) / max(int((kinds != OUTSIDE).sum()), 1)
 
 
 def ways_to_end(solid: TetMesh, points: np.ndarray, normals: np.ndarray, spacing: float, depth: float) -> np.ndarray:

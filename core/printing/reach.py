@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which way the tool stands, and whether it meets what has been printed before."""
 
-import numpy as np
-from scipy.spatial import cKDTree
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Self
 
-from ..graphs import pairs_within
+import numpy as np
+
+from ..graphs import ragged_arange
 from ..unit_vectors import unit_vectors
 from .machine import Machine
 
-# Places that are looked at together.
-_BATCH = 1024
+# Tips that are looked at together.
+_BATCH = 512
+# Radius of a sphere around a cube, over its side, and a little more for rounding.
+_AROUND = (1 + 1e-9) * 3**0.5 / 2
 # Of what is farther than this many steps, places that are a step apart will do.
 _NEAR, _COARSE = 4.0, 1.0
 
@@ -54,22 +59,85 @@ def collisions(points: np.ndarray, axes: np.ndarray, machine: Machine, step: flo
     near = min(_NEAR * step, length)
     everything = np.arange(len(points))
     for obstacles, reach in ((everything, near), (_thin_points(points, _COARSE * step), length)):
-        tree = cKDTree(points[obstacles])
+        cubes = _Cubes.of(points, obstacles, step)
+        first = np.full(len(points), len(points))
         for part in np.array_split(waiting, max(1, len(waiting) // _BATCH)):
-            which, other = pairs_within(tree, points[part], np.minimum(reaches[part], reach))
-            other = obstacles[other]
-            earlier = other < part[which]
-            which, other = which[earlier], other[earlier]
+            far = np.minimum(reaches[part], reach)
+            which, other = cubes.in_cones(points[part], axes[part], part, far, slack, machine)
             offsets = points[other] - points[part[which]]
             above = np.einsum("kx,kx->k", offsets, axes[part[which]])
             aside = np.linalg.norm(offsets - above[:, None] * axes[part[which]], axis=1)
-            wide = machine.nozzle_radius + above * widens
-            hit = (above > slack) & (above <= length) & (aside < wide)
-            # Of several assignments the last one stays: the one that was printed first.
-            order = np.argsort(-other[hit], kind="stable")
-            met[part[which[hit]][order]] = other[hit][order]
+            hit = (above > slack) & (above <= length) & (aside < machine.nozzle_radius + above * widens)
+            hit &= np.square(offsets).sum(axis=1) <= far[which] ** 2
+            np.minimum.at(first, part[which[hit]], other[hit])
+        is_met = first < len(points)
+        met[is_met] = first[is_met]
         waiting = waiting[(met[waiting] < 0) & (reaches[waiting] > reach)]
     return met
+
+
+@dataclass(frozen=True)
+class _Cubes:
+    """Places in cubes, eight of which are in a cube twice as large, and so on.
+
+    Attributes
+    ----------
+    levels : of each size of cubes, from the largest on: (c, 3) middles, (c,) smallest numbers of their places, and
+        (c + 1,) where the cubes or places inside begin in the next level
+    radii : of the spheres around the cubes of each level
+    places : (k,) numbers of the places, in the order of the smallest cubes
+    """
+
+    levels: list[tuple[np.ndarray, np.ndarray, np.ndarray]]
+    radii: list[float]
+    places: np.ndarray
+
+    @classmethod
+    def of(cls, points: np.ndarray, places: np.ndarray, size: float) -> Self:
+        """Cubes of a size, and larger ones, around those of (n, 3) points that have (k,) numbers."""
+        low = points.min(axis=0, initial=np.inf)
+        cubes = np.floor((points[places] - low) / size).astype(int)
+        steps = range(0, max(int(cubes.max(initial=0)).bit_length(), 1))
+        rows = [cubes >> step for step in reversed(steps)]
+        order = np.lexsort(np.concatenate([row.T for row in rows])[::-1])
+        places, rows = places[order], [row[order] for row in rows]
+        begins, is_new = [], np.arange(len(places)) == 0
+        for row in rows:
+            is_new = is_new | np.append(False, (np.diff(row, axis=0) != 0).any(axis=1))[: len(is_new)]
+            begins.append(np.flatnonzero(is_new))
+        inside = [*(np.searchsorted(below, above) for above, below in pairwise(begins)), begins[-1]]
+        counts = [*(len(below) for below in begins[1:]), len(places)]
+        sizes = [size * 2**step for step in reversed(steps)]
+        levels = [
+            (low + wide * (row[begin] + 0.5), np.minimum.reduceat(places, begin), np.append(within, count))
+            for wide, row, begin, within, count in zip(sizes, rows, begins, inside, counts, strict=True)
+        ]
+        return cls(levels if len(places) else [], [_AROUND * wide for wide in sizes], places)
+
+    def in_cones(
+        self, tips: np.ndarray, axes: np.ndarray, numbers: np.ndarray, far: np.ndarray, slack: float, machine: Machine
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of one of (n, 3) tips with their (n,) numbers and the number of an earlier place: all that are in the
+        tool's cone, higher than a slack and no farther than (n,) lengths, and some that are near it."""
+        angle = np.radians(machine.nozzle_angle)
+        which = np.arange(len(tips)) if self.levels else np.zeros(0, int)
+        found = np.zeros(len(which), int)
+        cubes = np.arange(len(self.levels[0][0])) if self.levels else found
+        which, found = np.repeat(which, len(cubes)), np.tile(cubes, len(which))
+        for (middles, earliest, begins), radius in zip(self.levels, self.radii, strict=True):
+            offsets = middles[found] - tips[which]
+            above = np.einsum("kx,kx->k", offsets, axes[which])
+            aside = np.linalg.norm(offsets - above[:, None] * axes[which], axis=1)
+            over = (aside - machine.nozzle_radius) * np.cos(angle) - above * np.sin(angle)
+            near = (earliest[found] < numbers[which]) & (above > slack - radius) & (over < radius)
+            near &= np.linalg.norm(offsets, axis=1) < far[which] + radius
+            which, found = which[near], found[near]
+            counts = begins[found + 1] - begins[found]
+            row, place = ragged_arange(counts)
+            which, found = which[row], begins[found][row] + place
+        found = self.places[found]
+        earlier = found < numbers[which]
+        return which[earlier], found[earlier]
 
 
 def _thin_points(points: np.ndarray, size: float) -> np.ndarray:

@@ -104,3 +104,12 @@ def _halve_long_edges(mesh: TriangleMesh, is_long: np.ndarray) -> tuple[np.ndarr
             made.append(np.column_stack(part)[chosen])
             of.append(np.flatnonzero(chosen))
     return np.concatenate(made), np.concatenate(of)
+
+
+def places_in(mesh: TriangleMesh, triangles: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """(k, 3) places in (k,) triangles, spread evenly over those with consecutive (k,) numbers (Martin Roberts' R2
+    sequence, folded into the triangle)."""
+    u, v = ((numbers + 0.5)[:, None] * [0.7548776662466927, 0.5698402909980532] % 1).T
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    a, b, c = (mesh.vertices[column[triangles]] for column in mesh.triangles.T)
+    return a + u[:, None] * (b - a) + v[:, None] * (c - a)

@@ -2,7 +2,7 @@
 """Paths for a tool on solved layers, and the pattern on a regular grid."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,13 +10,15 @@ from ..errors import SettingError, quote_value
 from ..extract.layers.defect_curves import DefectCurve
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.layers.voxels import points_inside
-from ..fields.layers import LayerPattern
+from ..fields.evenness import quantiles
+from ..fields.layers import RARE, LayerPattern, Spacings
 from ..geometry import TriangleMesh
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
 from ..monitor import Callback, Monitor, expect
 from ..printing.beads import Beads, contour_beads, plane_beads
 from ..printing.flat import is_flat
+from ..printing.heights import sample_distances
 from ..printing.infill import sparse_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
@@ -83,6 +85,26 @@ class Layering:
         """Mean distance of the layers; the solid's diagonal where there is no distance to measure."""
         mean = float(self.pattern.spacings.mean)
         return mean if math.isfinite(mean) else float(np.linalg.norm(np.ptp(self.solid.vertices, axis=0)))
+
+    @property
+    def spacings(self) -> Spacings:
+        """Statistics of the distances between the layers; where layers end inside, along rays from layer to layer: past
+        the end of a layer they reach the next but one, which gradients of the phase do not tell."""
+        found = self.pattern.spacings
+        if not found.counted or not self.pattern.tet_phases.punctured.any():
+            return found
+        distances, counted = sample_distances(self.surfaces, self.solid, self.spacing)
+        if not len(distances):
+            return found
+        thinnest, thickest = quantiles(distances, np.ones(len(distances)), [RARE, 1 - RARE])
+        return replace(
+            found,
+            mean=float(distances.mean()),
+            deviation=float(distances.std()),
+            thinnest=float(thinnest),
+            thickest=float(thickest),
+            counted=counted,
+        )
 
     def paths(self, settings: PathSettings) -> "PathsRequest":
         """The request for paths with these settings."""

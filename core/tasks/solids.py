@@ -237,10 +237,9 @@ class SolidRequest:
         for flush, group in zip(self.flush_areas, groups, strict=True):
             covered = filled.covered_share(flush.area, group.triangles)
             if covered < COVERED:
-                finer = self.lengths.size * (1 - COVERED) / (1 - covered)
                 yield (
                     f"the solid's triangles cover {covered:.0%} of {flush.area.name}, where they do not cut off its "
-                    f"rim: tetrahedra of a size of about {finer:.2g} would do"
+                    f"rim: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
                 )
 
 

@@ -7,7 +7,8 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError
-from ...core.geometry.filling.lengths import Lengths, Measures, estimate
+from ...core.geometry.filling.lengths import MOST_TETS, Lengths, Measures, estimate
+from ...core.geometry.filling.thin_walls import MOST
 from ...core.settings.layers import LayerSettings
 from ...core.tasks.solid_memory import is_searched, layer_memory
 from ...core.tasks.solids import TET_SECONDS
@@ -117,6 +118,9 @@ def _draw_expected(layout, obj):
     searched = is_searched(stored.guide == "AXIS", not stored.spacing_map, len(stored.groups))
     size = layer_memory(measures, lengths, searched).expected
     layout.label(text=translate("About {tets:,} tetrahedra", tets=tets), icon="MESH_ICOSPHERE")
+    if len(stored.groups):
+        line = translate("Up to {tets:,} with thin walls", tets=min(round(MOST * tets), MOST_TETS))
+        layout.label(text=line, icon="BLANK1")
     draw_estimate(layout, "Layers", TET_SECONDS * tets, size / 2**20)
 
 

@@ -24,7 +24,7 @@ VOLUME, WIDTHS, NARROW = 0.02, (0.6, 2.0), 0.05
 def layer_facts(layering):
     """Figures of layers in a solid, ready for JSON."""
     pattern, surfaces = layering.pattern, layering.surfaces
-    spacings = pattern.spacings
+    spacings = layering.spacings
     return {
         "tetrahedra": layering.solid.tet_count,
         "volume": float(layering.solid.volumes.sum()),

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ...errors import SettingError
+from ...errors import SettingError, round_up
 from ...fields.guidance.fronts import front_distance
 from ...geometry import TriangleMesh
 from ...interpolate import TURN, EdgePhases
@@ -50,7 +50,7 @@ def refuse_many_points(mesh: TriangleMesh, values: np.ndarray, step: float) -> N
     if points > MOST_POINTS:
         raise SettingError(
             f"paths {step:g} apart have {points:.1e} points, and {MOST_POINTS:.0e} is the most: "
-            f"give a step of {1.05 * step * points / MOST_POINTS:.2g} or more"
+            f"give a step of {round_up(1.05 * step * points / MOST_POINTS, 2)} or more"
         )
 
 

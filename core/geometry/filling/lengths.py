@@ -2,11 +2,12 @@
 """Size of a solid's tetrahedra, their number, and the spacing of layers that they can carry."""
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from ...errors import SettingError
+from ...errors import SettingError, round_up
 from .stuffing import MOST_CUBES, estimated_bytes, estimated_tets
 from .surface_distance import SurfaceDistance
 
@@ -111,6 +112,7 @@ class Lengths(NamedTuple):
         lowest : factor on the spacing where layers are thinnest
         divisions : layers in a period; None for 1, or for as many as the tetrahedra need
         """
+        asked = size
         if size is None:
             size = estimate(distance).size
             if spacing is not None:
@@ -120,13 +122,35 @@ class Lengths(NamedTuple):
         lengths = cls.carried(distance, spacing, size, lowest, divisions)
         finest = lengths.period * lowest
         if finest < FEWEST_EDGES * lengths.size:
+            finer = float(f"{finest / EDGES_PER_LAYER:.3g}")
+            sizes = [f"a size of {finer:g}"] if finer >= _smallest_size(distance) else []
             raise SettingError(
-                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size of "
-                f"{finest / EDGES_PER_LAYER:.3g}, more divisions, or a spacing from "
-                f"{FEWEST_EDGES * lengths.size / lowest:.3g} on"
+                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give "
+                + ", or ".join([*sizes, *lengths._wider(distance, lengths.size, FEWEST_EDGES, lowest)])
             )
-        _refuse_size(distance, lengths.size)
+        if not (np.isfinite(lengths.size) and lengths.size > 0):
+            raise SettingError(f"the tetrahedra's size is {lengths.size:g}: give a positive length")
+        smallest = _smallest_size(distance)
+        if lengths.size < smallest:
+            limit = round_up(smallest)
+            edges = EDGES_PER_LAYER if asked is None else FEWEST_EDGES
+            remedies = [] if asked is None else [f"one from {limit} on"]
+            if divisions and spacing and finest < edges * float(limit):
+                remedies.append(", or ".join(lengths._wider(distance, float(limit), edges, lowest)))
+            raise SettingError(
+                f"a size of {lengths.size:g} makes about {estimate(distance, lengths.size)}: give "
+                + " and ".join(remedies)
+            )
         return lengths
+
+    def _wider(self, distance: SurfaceDistance | Measures, size: float, edges: float, lowest: float) -> Iterator[str]:
+        """What tetrahedra of a size could carry instead, at so many edges in a period, in words."""
+        divisions = math.ceil(edges * size / (self.spacing * lowest))
+        divisions += self.spacing * divisions * lowest < edges * size
+        yield f"{divisions} divisions"
+        spacing = round_up(edges * size / (self.divisions * lowest))
+        if float(spacing) <= np.linalg.norm(np.ptp(distance.bounds, axis=0)):
+            yield f"a spacing from {spacing} on"
 
     @classmethod
     def carried(
@@ -172,14 +196,9 @@ def _size_for_tets(measures: SurfaceDistance | Measures, tets: int) -> float:
     return high
 
 
-def _refuse_size(distance: SurfaceDistance | Measures, size: float) -> None:
-    """Refuse a size that makes no solid, or more than a machine can hold."""
-    if not (np.isfinite(size) and size > 0):
-        raise SettingError(f"the tetrahedra's size is {size:g}: give a positive length")
-    smallest = max(_size_for_tets(distance, MOST_TETS), _size_for_cubes(distance, MOST_CUBES))
-    if size < smallest:
-        expected = estimate(distance, size)
-        raise SettingError(f"a size of {size:g} makes about {expected}: give one from {smallest:.3g} on")
+def _smallest_size(measures: SurfaceDistance | Measures) -> float:
+    """Find the size that makes as many tetrahedra as a machine can hold."""
+    return max(_size_for_tets(measures, MOST_TETS), _size_for_cubes(measures, MOST_CUBES))
 
 
 def _size_for_cubes(measures: SurfaceDistance | Measures, cubes: int) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...errors import MeshError, SettingError
+from ...errors import MeshError, SettingError, round_up
 from ...graphs import find, pair_keys
 from ..tet_mesh import TET_EDGES, TetMesh
 from ..vertex_splitting import merge_corners
@@ -249,7 +249,9 @@ def _refuse_size(bounds: np.ndarray, size: float) -> None:
     cubes = estimated_cubes(bounds, size)
     if not cubes < MOST_CUBES:
         fitting = size * (cubes / MOST_CUBES) ** (1 / 3)
-        raise SettingError(f"a size of {size:g} makes {cubes:.1e} cubes: choose one above {fitting:.2g}")
+        while not estimated_cubes(bounds, fitting) < MOST_CUBES:
+            fitting *= 1.01
+        raise SettingError(f"a size of {size:g} makes {cubes:.1e} cubes: choose one from {round_up(fitting, 2)} on")
 
 
 def _refuse_outside(lattice: Lattice, sides: np.ndarray) -> None:

@@ -35,7 +35,10 @@ def fill_with_same_topology(distance: SurfaceDistance, size: float) -> TetMesh:
     flaw = _try_filling(distance, size)
     if isinstance(flaw, TetMesh):
         return flaw
-    finer = float(f"{FINER * size:.2g}")  # rounded as in the message, so that the size in it is the one tried
+    finer, tried = (
+        float(f"{FINER * size:.2g}"),
+        size,
+    )  # rounded as in the message, so that the size in it is the one tried
     while (count := estimated_tets(distance.volume, finer, distance.area)) <= MOST_TRIED and estimated_cubes(
         distance.bounds, finer
     ) <= MOST_TRIED_CUBES:
@@ -44,10 +47,10 @@ def fill_with_same_topology(distance: SurfaceDistance, size: float) -> TetMesh:
                 f"tetrahedra of size {size:.3g} are too large: {flaw}; give a size of {finer:g}, which makes about "
                 f"{count:,} of them"
             )
-        finer = float(f"{FINER * finer:.2g}")
+        finer, tried = float(f"{FINER * finer:.2g}"), finer
     raise MeshError(
-        f"tetrahedra of size {size:.3g} are too large for the thin parts of the surface: {flaw}, and sizes above "
-        f"{finer:g} would not do: thicken these parts, or give a size of {finer:g} or below"
+        f"tetrahedra of size {size:.3g} are too large for the thin parts of the surface: {flaw}; sizes down to "
+        f"{tried:.3g} were tried, too: thicken these parts, or give a smaller size"
     )
 
 

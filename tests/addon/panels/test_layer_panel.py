@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.core.geometry.filling.closed_surface import Area
 from synch_fields.core.geometry.filling.lengths import estimate
 from synch_fields.core.tasks.solids import TET_SECONDS
 from synch_fields.synch_addon import api
@@ -24,7 +25,7 @@ from synch_fields.synch_addon.solids import memory
 from synch_fields.synch_addon.solids.properties import LENGTHS, LayerProperties, SynchLayering
 from synch_fields.synch_addon.solids.surface import read_surface
 
-from ..scenes import make_active
+from ..scenes import add_group, make_active
 from ..solid_objects import bent_bar, block, made
 
 
@@ -63,6 +64,23 @@ def test_the_panel_tells_beforehand_how_many_tetrahedra_there_will_be(size):
     assert count == pytest.approx(estimate(surface.distance, size).tets, rel=0.02)
     if size is not None:
         assert count == pytest.approx(surface.filled(size).solid.tet_count, rel=0.1)
+
+
+def test_the_panel_says_how_many_tetrahedra_thin_walls_between_groups_may_add():
+    obj = block((1, 1, 0.12), (4, 4, 1))
+    places = np.array([vertex.co for vertex in obj.data.vertices])
+    low, high = (np.flatnonzero(places[:, 2] * side > 0) for side in (-1, 1))
+    obj.synch_layering.automatic_size, obj.synch_layering.size = False, 0.1
+    assert "thin walls" not in "\n".join(drawn()[0])
+    for name, members in (("Low", low), ("High", high)):
+        add_group(obj, name, members)
+        obj.synch_layering.groups.add().group = name
+    found = re.search(r"About ([\d,]+) tetrahedra\nUp to ([\d,]+) with thin walls", "\n".join(drawn()[0]))
+    least, most = (int(text.replace(",", "")) for text in found.groups())
+    surface = read_surface(obj)
+    up = surface.mesh.face_normals[:, 2]
+    areas = [Area("Low", np.flatnonzero(up < -0.9)), Area("High", np.flatnonzero(up > 0.9))]
+    assert 1.3 * least < surface.filled(0.1, areas).solid.tet_count <= 1.1 * most
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,17 @@ def path_table(obj, folder):
     return folder / "paths.csv"
 
 
+def test_beads_that_no_nozzle_lays_are_told_with_a_step_that_it_does(layered, tmp_path):
+    """Beads of 1.6 mm once came from a nozzle of 0.4 mm without a word."""
+    (tmp_path / "printer.toml").write_text("scale = 8\nbore = 0.4\nlargest_height = 9\n")
+    report = api.layer_toolpaths(layered, 0.2, machine=tmp_path / "printer.toml")
+    (line,) = [line for line in report["warnings"] if "do not come from a nozzle" in line]
+    assert line.startswith("beads of 1.6 mm do not come from a nozzle of 0.4 mm: give a step of 0.05")
+    step = float(line.split("give a step of ")[1].split(",")[0])
+    told = api.layer_toolpaths(layered, step, machine=tmp_path / "printer.toml")["warnings"]
+    assert not any("do not come from a nozzle" in line for line in told)
+
+
 def test_what_lies_on_air_is_listed_and_drawn(layered):
     """A tilted block stands on a corner: its lowest layer is on air but there."""
     report = api.layer_toolpaths(layered, 0.2)

@@ -13,16 +13,15 @@ from synch_fields.bench.solid_shapes import cup
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.filled import along_axis
-from synch_fields.core.fields.layers import solve_layers
+from synch_fields.core.fields.layers import LayerPattern, SolidTargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.lengths import MOST_TETS, Lengths
-from synch_fields.core.printing.heights import below
 from synch_fields.core.printing.machine import read_machine
 from synch_fields.core.solve import Certificate, Options, Status
 from synch_fields.core.tasks.layer_outputs import Layering, PathSettings
 from synch_fields.core.tasks.solids import SolidGuide, SolidRequest
 
-from ..layered_solids import bent_bar
+from ..layered_solids import block
 from ..meshes import cube, icosphere
 from ..tasks.test_layer_requests import closed, flattened
 
@@ -85,19 +84,56 @@ def test_a_layer_without_height_is_refused_and_not_dragged_over_the_bed():
 
 
 def test_distances_that_are_told_hold_for_rays_from_layer_to_layer():
-    """In a bar whose layers fan out and end inside; rays beside the ends of layers count as what is not told."""
-    mesh, around = bent_bar((6, 30, 4), 1, 2, 1.5, 0.6)
-    pattern = solve_layers(mesh, around, 0.2)
-    surfaces, told = layer_surfaces(pattern.edge_phases, pattern.heights), pattern.spacings
-    found = below(surfaces, mesh, surfaces.vertices, surfaces.mesh.vertex_normals, _layer_of_vertices(surfaces), 0.2)
-    between = found.layers >= 0
-    weights, heights = surfaces.mesh.vertex_masses[between], found.heights[between]
-    inside = (heights > 0.97 * told.thinnest) & (heights < 1.03 * told.thickest)
-    assert told.counted < 1 and told.counted * 0.98 - 0.05 < weights[inside].sum() / weights.sum()
-    assert weights[heights < told.mean / 2].sum() < 0.02 * weights.sum()
+    """In a block with layers of which one ends along a line, for rays at random that are held against every triangle.
+
+    Gradients of the phase once told limits that fewer rays keep: past the end of a layer they reach the next but one.
+    """
+    mesh = block((14, 3, 14), (1.0, 0.2, 1.0))
+    x, _, z = (mesh.vertices - [0.47, 0, 0.52]).T
+    one_form = SolidTargetOneForm.of(mesh, np.tile([0.0, 0, 1], (mesh.vertex_count, 1)), 0.2)
+    edge_phases = one_form.edge_phases(np.exp(1j * (2 * np.pi * z / 0.2 + np.arctan2(z, x))))
+    pattern = LayerPattern(mesh, None, edge_phases)
+    surfaces = layer_surfaces(edge_phases, pattern.heights)
+    told, by_phase = Layering(pattern, surfaces, (), np.eye(4)).spacings, pattern.spacings
+    distances = ray_distances(surfaces, mesh.boundary_surface[0], 1200)
+    shares = [((distances > one.thinnest) & (distances < one.thickest)).mean() for one in (told, by_phase)]
+    assert told.counted * 0.98 == pytest.approx(shares[0], abs=0.01)
+    assert distances.mean() == pytest.approx(told.mean, rel=0.01)
+    assert shares[1] < by_phase.counted * 0.98 - 0.015
 
 
-def _layer_of_vertices(surfaces):
-    layers = np.zeros(len(surfaces.vertices), int)
-    layers[surfaces.triangles] = surfaces.layers[:, None]
-    return layers
+def test_distances_of_even_layers_are_told_by_the_phase():
+    result = request_along_z(cube(2), 0.1, 0.2).solve()
+    layering = Layering(result.pattern, result.surfaces, result.curves, np.eye(4))
+    assert layering.spacings.thinnest == pytest.approx(0.1, rel=1e-9)
+    assert ray_distances(result.surfaces, result.solid.boundary_surface[0], 50) == pytest.approx(0.1, rel=1e-6)
+
+
+def ray_distances(surfaces, boundary, count):
+    """(k,) distances from places on layers, at random, to the next layer along the normal on either side, of those that
+    meet one before the boundary; what is nearer than 0.3 spacings on the same layer is not another one."""
+    random, mesh = np.random.default_rng(0), surfaces.mesh
+    triangles = random.choice(mesh.triangle_count, count, p=mesh.areas / mesh.areas.sum())
+    weights = random.dirichlet(np.ones(3), count)
+    corners = np.concatenate([mesh.vertices[mesh.triangles], boundary.vertices[boundary.triangles]])
+    layers = np.append(surfaces.layers, np.full(boundary.triangle_count, -1))
+    found = []
+    for triangle, weight in zip(triangles, weights, strict=True):
+        origin = weight @ corners[triangle]
+        for side in (1, -1):
+            ray = side * mesh.face_normals[triangle]
+            # origin + t ray = a + u (b - a) + v (c - a), by Cramer's rule.
+            ab, ac, away = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], origin - corners[:, 0]
+            across, normal = np.cross(away, ray), np.cross(ab, ac)
+            slope = -normal @ ray
+            with np.errstate(all="ignore"):
+                t = np.einsum("kx,kx->k", normal, away) / slope
+                u = np.einsum("kx,kx->k", ac, across) / slope
+                v = -np.einsum("kx,kx->k", ab, across) / slope
+                hit = (np.minimum(u, v) >= 0) & (u + v <= 1) & (t > 1e-9)
+            hit &= (layers != surfaces.layers[triangle]) | (t > 0.06)
+            if hit.any():
+                first = np.flatnonzero(hit)[t[hit].argmin()]
+                if layers[first] >= 0:
+                    found.append(t[first])
+    return np.array(found)

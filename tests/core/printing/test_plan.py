@@ -132,6 +132,35 @@ def test_the_tool_meets_the_stairs_above_it(angle):
     assert (met[where] < where).all() and (stair[met[where]] < stair[where]).all()
 
 
+def first_met(points, axes, machine, slack):
+    """(n,) the first earlier place in each tool's cone, by looking at all of them; -1 for none."""
+    met = np.full(len(points), -1)
+    for number, (tip, axis) in enumerate(zip(points, axes, strict=True)):
+        offsets = points[:number] - tip
+        above = offsets @ axis
+        aside = np.linalg.norm(np.cross(offsets, axis), axis=1)
+        inside = (above > slack) & (np.linalg.norm(offsets, axis=1) <= machine.nozzle_length)
+        inside &= aside < machine.nozzle_radius + above * np.tan(np.radians(machine.nozzle_angle))
+        met[number] = np.append(np.flatnonzero(inside), -1)[0]
+    return met
+
+
+@pytest.mark.parametrize("turns", [False, True])
+@pytest.mark.parametrize("angle", [15.0, 50.0, 80.0])
+def test_the_tool_meets_what_a_look_at_every_place_finds(angle, turns):
+    """Places at random and tools that lean at random: some meet much, some nothing."""
+    random = np.random.default_rng(0)
+    points = random.uniform(0, [4, 3, 2], (600, 3))
+    machine = Machine(axes="ac" if turns else "xyz", nozzle_radius=0.02, nozzle_angle=angle, nozzle_length=1.5)
+    leaning = random.normal(0, 0.4, (600, 3)) * turns + [0, 0, 1]
+    axes = leaning / np.linalg.norm(leaning, axis=1, keepdims=True)
+    # Steps so large that all places are near, and so small that every place is looked at.
+    for step in (0.5, 1e-3):
+        met = collisions(points, axes, machine, step, 0.1)
+        np.testing.assert_array_equal(met, first_met(points, axes, machine, 0.1))
+    assert 0.05 < (met >= 0).mean() < 0.999
+
+
 def test_printed_upwards_the_stairs_are_in_nobodys_way():
     points = staircase()[::-1]
     axes = np.tile([0.0, 0, 1], (len(points), 1))

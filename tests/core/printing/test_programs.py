@@ -7,7 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synch_fields.bench.gcode_simulator import deviations, on_part, read_moves, sampled, turn_speed
+from synch_fields.bench.gcode_simulator import (
+    Beads,
+    deviations,
+    moves_through,
+    on_part,
+    read_moves,
+    sampled,
+    turn_speed,
+)
 from synch_fields.core.errors import SettingError
 from synch_fields.core.printing.gcode import GAP, SKIRT, WALL, Course, gcode
 from synch_fields.core.printing.kinematics import table_angles, to_machine, to_part, tool_directions
@@ -66,6 +74,36 @@ def test_the_tip_stays_on_its_way_between_points(shape, axes):
     if shape == "ridge":
         coarse = read_moves(gcode(made, replace(unlimited(machine), deviation=1e3)).text)
         assert deviations(sampled(coarse, coarse.printing, machine.pivot_z, 0.05), [made.points], 0.05).max() > 5
+
+
+def test_a_turn_of_the_table_about_the_tip_is_no_travel():
+    """Half way along a bead the tool leans over by 40 degrees, where the tip stays: nothing goes through the bead."""
+    along = np.array([0, 1, 2, 2, 3, 4.0])
+    points = np.column_stack([along, 0 * along, 20 + 0 * along])
+    moves = read_moves(
+        gcode(course(points, turned(np.array([0, 0, 0, 40, 40, 40.0]))), replace(FIVE, tolerance=0)).text
+    )
+    still = moves.printing[1:] & (moves.ends[1:, 3] != moves.begins[1:, 3])
+    assert (moves.ends[:, 3] != moves.begins[:, 3])[~moves.travels & (moves.extruded == 0)].any() and not still.all()
+    assert not (moves.travels & (moves.extruded != 0)).any()
+    beads = Beads(sampled(moves, moves.printing, FIVE.pivot_z, 0.02), moves)
+    for chosen in (moves.travels, ~moves.travels & (moves.extruded >= 0)):
+        assert not moves_through(beads, sampled(moves, chosen, FIVE.pivot_z, 0.02)).any()
+    assert len(np.unique(beads.numbers)) == 1
+
+
+def test_a_travel_through_a_bead_is_seen():
+    """A bead along X, and a way across it at half of its height, without and with filament."""
+    text = "G28\nG90 M83\nG0 X0 Y0 Z1 F6000\n;TYPE:x\n;WIDTH:0.5\n;HEIGHT:0.4\nG1 X10 E1 F600\n"
+    across = "G0 X10 Y5 Z3\nG0 X5 Y5\nG0 Z0.8\n{} X5 Y-5{}\nG0 X9 Y-5 Z3\nG1 X10 Y-6 E1\n"
+    for code, word in (("G0", ""), ("G1", " E1")):
+        moves = read_moves(text + across.format(code, word))
+        beads = Beads(sampled(moves, moves.printing, 0, 0.05), moves)
+        tried = sampled(moves, moves.printing | moves.travels, 0, 0.05)
+        hit = moves_through(beads, tried)
+        inside = (tried.tips[:, 2] < 0.85) & (np.abs(tried.tips[:, 1]) < 0.2)
+        np.testing.assert_array_equal(hit, inside & (tried.moves > beads.moves[0]))
+        assert hit.sum() == 8
 
 
 @pytest.mark.parametrize("axes", ["ac", "bc"])

@@ -16,12 +16,8 @@ from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
 from synch_fields.core.geometry.filling.lengths import (
-    EDGES_PER_LAYER,
-    LAYERS_ACROSS,
-    MOST_TETS,
     Lengths,
     Measures,
-    estimate,
 )
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.mesh_input import MeshInput
@@ -187,7 +183,7 @@ def test_coarse_solids_are_told_about():
     pad = Area.of_members(surface.given, middle, "the pad")
     request = request_in(surface, 0.3, 0.13, flush_areas=(FlushArea(pad, 0.0),))
     (line,) = request.solve().warnings
-    assert line.startswith("the solid's triangles cover 9") and "% of the pad" in line and "size of about" in line
+    assert line.startswith("the solid's triangles cover 9") and "% of the pad" in line and "reduce the size" in line
     (line,) = replace(request, flush_areas=(), lengths=Lengths(0.1, 0.13)).solve().warnings
     assert line.startswith("the spacing is finer than the solid can carry on ")
     rod = flattened(1, 0.1, 0.1)
@@ -253,45 +249,6 @@ def test_measures_know_the_extents_of_turned_boxes_and_balls():
         for triangles in (mesh.triangles, mesh.triangles[:, ::-1]):
             found = Measures.of(mesh.vertices @ turn.T + [7, 0, 3], triangles).extents
             np.testing.assert_allclose(found, extents, rtol=2e-3)
-
-
-def test_automatic_lengths_fit_one_another():
-    distance = SurfaceDistance(cube(2))
-    expected = estimate(distance)
-    assert expected.tets == pytest.approx(100_000, rel=0.01)
-    both = Lengths.of(distance, None, None)
-    assert both.spacing == max(1 / LAYERS_ACROSS, EDGES_PER_LAYER * both.size) and both.size == expected.size
-    assert Lengths.of(distance, 0.07, None).size == pytest.approx(0.07 / EDGES_PER_LAYER)
-    assert Lengths.of(distance, 0.06, None, divisions=1).size == pytest.approx(0.06 / EDGES_PER_LAYER)
-    assert Lengths.of(distance, None, 0.1).spacing == pytest.approx(0.3)
-    assert Lengths.of(distance, None, 0.1, 0.5).spacing == pytest.approx(0.6)
-    assert Lengths.carried(distance, 0.01, 0.1) == (0.01, 0.1, 30)
-    # What would take too many tetrahedra is solved for several layers together, at the automatic size.
-    fine = Lengths.of(distance, 0.01, None)
-    assert fine.size == both.size and fine.divisions == np.ceil(EDGES_PER_LAYER * both.size / 0.01)
-
-
-@pytest.mark.parametrize(
-    ("spacing", "size", "words"),
-    [
-        (2.0, None, "the spacing 2 is larger than the object .1.73205.: no layer would fit"),
-        (0.1, 0.1, "finer than tetrahedra of size 0.1 can carry: give a size of 0.0333, more divisions, or a spacing"),
-        (None, 1e-4, "makes about .* tetrahedra, .* MB: give one from "),
-        (None, -0.01, "the tetrahedra's size is -0.01: give a positive length"),
-    ],
-)
-def test_lengths_that_cannot_be_are_refused(spacing, size, words):
-    with pytest.raises(SettingError, match=words):
-        Lengths.of(SurfaceDistance(cube(2)), spacing, size, divisions=1)
-
-
-def test_the_smallest_size_makes_the_most_tetrahedra():
-    distance = SurfaceDistance(cube(2))
-    with pytest.raises(SettingError) as caught:
-        Lengths.of(distance, None, 1e-4)
-    smallest = float(str(caught.value).split("from ")[1].split(" ")[0])
-    assert estimate(distance, smallest).tets == pytest.approx(MOST_TETS, rel=0.02)
-    Lengths.of(distance, None, 1.01 * smallest)
 
 
 @pytest.fixture(scope="module")

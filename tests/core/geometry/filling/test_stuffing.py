@@ -13,9 +13,11 @@ from synch_fields.core.geometry.filling.lattice import build_lattice
 from synch_fields.core.geometry.filling.stencils import stencil
 from synch_fields.core.geometry.filling.stuffing import (
     DIHEDRAL_BOUNDS,
+    MOST_CUBES,
     WARP_LONG,
     WARP_SHORT,
     estimated_bytes,
+    estimated_cubes,
     estimated_tets,
     fill_surface,
 )
@@ -264,8 +266,9 @@ def test_sizes_that_make_no_lattice_are_refused(size):
 
 
 def test_a_size_that_no_memory_holds_is_refused_with_one_that_fits():
-    with pytest.raises(SettingError, match=r"a size of 0\.001 makes 8\.\de\+09 cubes: choose one above 0\.0054"):
+    with pytest.raises(SettingError, match=r"a size of 0\.001 makes 8\.\de\+09 cubes: choose one from 0\.0055 on"):
         fill_surface(ball_distance, BALL, 0.001)
+    assert estimated_cubes(BALL, 0.0055) < MOST_CUBES < estimated_cubes(BALL, 0.0053)
 
 
 def test_a_surface_beyond_its_box_is_refused():
