@@ -150,16 +150,28 @@ class Work:
 
     @property
     def share(self):
-        """Share of the work that is done, as far as that can be told: between two reports it grows with time, by a part
-        of what is left."""
-        if self.fraction != self._reported[0]:
-            self._reported = self.fraction, self.age
+        """Share of the work that is done, as far as that can be told.
+
+        Between two reports it grows with time, by a part of what is left, and the slower the longer nothing is
+        reported. A report that says that much more time is left than was expected lets it fall back.
+        """
+        age = self.age
         told, since = self._reported
+        if self.fraction != told:
+            told, since = self._reported = self.fraction, age
+            left = self._left_after(told, since)
+            if left and age > 0:
+                self._share = max(told, min(self._share, age / (age + left)))
         if self.expected:
-            rest = max(self.expected - since, self.expected / _FAR)
-            told += _GUESSED * (1 - told) * -math.expm1((since - self.age) / rest)
+            rest = max(self._left_after(told, since), self.expected / _FAR, age - since)
+            told += _GUESSED * (1 - told) * -math.expm1((since - age) / rest)
         self._share = max(self._share, told)
         return self._share
+
+    def _left_after(self, told, since):
+        """Seconds left at a report, by the expected time or, if more, by the pace until then; None if unknown."""
+        left = seconds_left(since, told, self.expected)
+        return left if left is None or not self.expected else max(left, self.expected - since)
 
     @property
     def line(self):

@@ -73,6 +73,8 @@ def _get_lines(simple):
 
 def _set_lines(simple, count):
     stored = simple.id_data.synch
+    if count == round(count) == round(_get_lines(simple)):  # Enter in the field, which shows no decimals
+        return
     if _size(simple) > 0:
         stored.spacing, stored.automatic_spacing = _size(simple) / count, False
 
