@@ -21,6 +21,15 @@ _FAR = 10.0
 _GUESSED = 0.6
 # Letters of a stage that fit into the progress bar beside a time, and seconds from which on times are in minutes.
 _SHORT, _MINUTES = 12, 100
+# Stages of the solver in the words of an artist.
+_WORDS = {
+    "relaxation": "searching",
+    "spectral relaxation": "searching",
+    "continuation": "searching",
+    "descent": "improving",
+    "polish": "improving",
+    "diffusion": "improving",
+}
 # Seconds after its last job at which the child ends, and between two looks.
 _IDLE, _LOOK = 300.0, 30.0
 
@@ -191,7 +200,8 @@ class Work:
 
     @property
     def _doing(self):
-        return (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+        name, *rest = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+        return _WORDS.get(name, name), *rest
 
     @property
     def _left(self):

@@ -115,7 +115,10 @@ def _found(context):
 
 def draw_shown_defects(layout, obj, overlay):
     """How the defects of an object are seen: as dots, and as empties."""
-    row, defects = property_column(layout).row(align=True, heading="Defects"), collection_of_defects(obj)
+    split, defects = layout.split(factor=0.4), collection_of_defects(obj)
+    label, row = split.row(), split.row(align=True)
+    label.alignment = "RIGHT"
+    label.label(text="Defects")
     row.prop(overlay, "defects", toggle=True, icon="DOT")
     if defects is not None:
         row.prop(defects, "hide_viewport", text="Empties", toggle=True, invert_checkbox=True, icon="EMPTY_AXIS")

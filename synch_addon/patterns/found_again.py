@@ -13,7 +13,8 @@ class VariationsJob(job.FieldJob):
     """The solve that an object's attributes are of, with its own settings; see :mod:`..jobs.job`.
 
     Its result is remembered as the solve of the pattern that the object shows, which may be a variation or have placed
-    defects. Where mesh or guides have changed, so that the pattern does not fit, the new one is shown, with a warning.
+    defects. Where it does not fit, since mesh or guides have changed or the search was ended early, the new pattern is shown,
+    with a warning.
     """
 
     def __init__(self, obj):
@@ -31,7 +32,8 @@ class VariationsJob(job.FieldJob):
             report = super().write(result)
             solved = matching_solve(obj, request, field)
             if solved is None:
-                line = "mesh, guides or modifiers have changed since the file was saved: this is another pattern"
+                line = "this is another pattern, since mesh or guides have changed, or the search was ended early: "
+                line += "undo brings the other one back"
                 return report | {"warnings": [*report["warnings"], line]}
             phases = pattern.phases
             arguments = solved.request, solved.field, solved.pattern.with_phases(phases)

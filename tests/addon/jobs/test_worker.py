@@ -61,6 +61,8 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     work._reported = 0.0, work.age  # just now
     assert re.fullmatch(r"\d+ s, about (59|60) s left", work.times)
     assert re.fullmatch(r"\d%  [a-z ]+, about (59|60) s left", work.short_line)
+    work.stage = "relaxation"
+    assert "searching" in work.short_line and "relaxation" not in work.line
     work.expected = None
     assert re.fullmatch(r"\d%  [a-z ]+, \d+ s", work.short_line)
     work._told = work.age, 1e-3  # far less than it will take
