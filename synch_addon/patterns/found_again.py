@@ -13,8 +13,8 @@ class VariationsJob(job.FieldJob):
     """The solve that an object's attributes are of, with its own settings; see :mod:`..jobs.job`.
 
     Its result is remembered as the solve of the pattern that the object shows, which may be a variation or have placed
-    defects. Where it does not fit, since mesh or guides have changed or the search was ended early, the new pattern is shown,
-    with a warning.
+    defects. Where it does not fit, since mesh or guides have changed or the search was ended early, the new pattern is
+    shown, with a warning.
     """
 
     def __init__(self, obj):

@@ -290,7 +290,7 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     panel.wait_for("Variations are not saved in files")
     keep("opened", panel.picture("UI"))
     panel.click("Find Variations Again")
-    panel.wait_for("Variation")
+    panel.until("part('patterns.memory').holds(active())")
     gallery = "part('panels.thumbnails').galleries.of(active())"
     panel.until(f"{gallery}.is_complete and len({gallery}.made) == {gallery}.count > 1")
     after = panel.value("state()")
