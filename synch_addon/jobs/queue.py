@@ -21,6 +21,15 @@ _FAR = 10.0
 _GUESSED = 0.6
 # Letters of a stage that fit into the progress bar beside a time, and seconds from which on times are in minutes.
 _SHORT, _MINUTES = 12, 100
+# Stages of the solver in the words of an artist.
+_WORDS = {
+    "relaxation": "searching",
+    "spectral relaxation": "searching",
+    "continuation": "searching",
+    "descent": "improving",
+    "polish": "improving",
+    "diffusion": "improving",
+}
 # Seconds after its last job at which the child ends, and between two looks.
 _IDLE, _LOOK = 300.0, 30.0
 
@@ -150,16 +159,28 @@ class Work:
 
     @property
     def share(self):
-        """Share of the work that is done, as far as that can be told: between two reports it grows with time, by a part
-        of what is left."""
-        if self.fraction != self._reported[0]:
-            self._reported = self.fraction, self.age
+        """Share of the work that is done, as far as that can be told.
+
+        Between two reports it grows with time, by a part of what is left, and the slower the longer nothing is
+        reported. A report that says that much more time is left than was expected lets it fall back.
+        """
+        age = self.age
         told, since = self._reported
+        if self.fraction != told:
+            told, since = self._reported = self.fraction, age
+            left = self._left_after(told, since)
+            if left and age > 0:
+                self._share = max(told, min(self._share, age / (age + left)))
         if self.expected:
-            rest = max(self.expected - since, self.expected / _FAR)
-            told += _GUESSED * (1 - told) * -math.expm1((since - self.age) / rest)
+            rest = max(self._left_after(told, since), self.expected / _FAR, age - since)
+            told += _GUESSED * (1 - told) * -math.expm1((since - age) / rest)
         self._share = max(self._share, told)
         return self._share
+
+    def _left_after(self, told, since):
+        """Seconds left at a report, by the expected time or, if more, by the pace until then; None if unknown."""
+        left = seconds_left(since, told, self.expected)
+        return left if left is None or not self.expected else max(left, self.expected - since)
 
     @property
     def line(self):
@@ -179,7 +200,8 @@ class Work:
 
     @property
     def _doing(self):
-        return (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+        name, *rest = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+        return _WORDS.get(name, name), *rest
 
     @property
     def _left(self):

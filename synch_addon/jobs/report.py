@@ -29,6 +29,7 @@ class Report:
         self.warnings = []
         self.forced_dislocations = None
         self.quad_mesh = None
+        self.ended_early = False  # whether a search was ended with what it had found
         self.pins_cost = None
         self.surface = None  # figures of the finer surface, if the pattern is on one
         self.shape_key = None  # name of the one whose shape was solved on

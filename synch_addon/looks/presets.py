@@ -6,20 +6,22 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.errors import SettingError, quote_value
+from ...core.errors import SettingError, SynchError, quote_value
 from ...core.refinement.spacing import automatic_spacing, lines_in_period
 from ...core.validation import convert_value
 from ..blender import meshes
 from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind
 from ..blender.transaction import whole_or_nothing
-from ..nodes.materials import new_material, show_material
+from ..nodes.materials import new_material, show_material, show_plain, shows_pattern
 from ..nodes.stripe_profiles import NUMBER
 from ..patterns import memory, numbers
 from . import looks
 
 # Custom property of a material: the preset that it was made for.
 _PROPERTY = "synch_preset"
+# What stands in a list of presets for the look of a pattern that has none.
+PLAIN = "plain"
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,29 @@ def show(obj, name, assign_faces=False):
         show_material(surface_of(obj), made, preset.kind, assign_faces=assign_faces)
         meshes.update(surface_of(obj))
     return made
+
+
+def show_without_preset(obj):
+    """Show an object's pattern in two plain colours, as it was before any preset; returns the material.
+
+    Raises SynchError where it has no pattern.
+    """
+    kind = pattern_kind(obj)
+    if kind is None:
+        raise SynchError(f"{obj.name} has no pattern: solve stripes or quads on it first")
+    with meshes.object_mode(obj), whole_or_nothing():
+        made = show_plain(surface_of(obj), kind)
+        meshes.update(surface_of(obj))
+    return made
+
+
+def shown_preset(obj):
+    """The name of the preset that an object's pattern shows, PLAIN for another look, None without a pattern."""
+    if obj is None or obj.type != "MESH" or pattern_kind(obj) is None:
+        return None
+    shown = (slot.material for slot in surface_of(obj).material_slots if shows_pattern(slot.material))
+    name = next((material.get(_PROPERTY) for material in shown), None)
+    return name if name in PRESETS else PLAIN
 
 
 def preset_material(name) -> bpy.types.Material:

@@ -66,6 +66,13 @@ def show_material(obj, material, kind, *, assign_faces=False):
     _give(obj, material, True, _KINDS[kind], assign_faces)
 
 
+def show_plain(obj, kind):
+    """Give a mesh object the material that patterns of a kind have at first; returns it."""
+    material = _shared_material(kind)
+    show_material(obj, material, kind)
+    return material
+
+
 def take_over_look(obj, other):
     """Give a mesh object the material that shows a pattern on another one, in the slots where it can be placed."""
     shown = next((slot.material for slot in other.material_slots if shows_pattern(slot.material)), None)

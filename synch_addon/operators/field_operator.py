@@ -160,6 +160,8 @@ class BackgroundOperator:
         work.let_go()
         if work.error is not None:
             raise work.error
+        if isinstance(work.job, field_job.FieldJob):
+            work.job.ended_early = work.is_kept
         report = dict(work.job.write(work.result))  # what is kept of it stays as it is
         if work.peak is not None:
             report["peak_memory_mb"] = work.peak

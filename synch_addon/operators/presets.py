@@ -12,7 +12,7 @@ from ..looks import assets, presets
 from ..panels.presets import PRESET
 from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
-from .ready import PromptOperator, ReadyOperator
+from .ready import PatternOperator, PromptOperator, ReadyOperator
 
 
 class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
@@ -40,8 +40,9 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
 
     def invoke(self, context, event):
         """From the window: solve in the background where that is needed; the scene's preset, where none is given."""
-        if not self.properties.is_property_set("preset"):
-            self.preset = context.scene.synch_preset
+        chosen = context.scene.synch_preset
+        if not self.properties.is_property_set("preset") and chosen in presets.PRESETS:
+            self.preset = chosen
         return self._reporting(self._begin, context)
 
     def execute(self, context):
@@ -90,6 +91,18 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         column.prop(self, "solve")
 
 
+class SYNCH_OT_plain_look(PatternOperator, PromptOperator, bpy.types.Operator):
+    """Show the pattern in two plain colours again, without a preset"""
+
+    bl_idname = "synch.plain_look"
+    bl_label = "Plain Look"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def make(self, context):
+        obj = context.active_object
+        return f"{obj.name}: {presets.show_without_preset(obj).name}"
+
+
 class SYNCH_OT_number_stripes(ReadyOperator, PromptOperator, bpy.types.Operator):
     """Give each stripe of the last solve a number, and its points a place along it, for materials and relief"""
 
@@ -120,4 +133,4 @@ class SYNCH_OT_asset_library(PromptOperator, bpy.types.Operator):
         return f"asset library {library.name}: choose it in the asset browser"
 
 
-CLASSES = (SYNCH_OT_preset, SYNCH_OT_number_stripes, SYNCH_OT_asset_library)
+CLASSES = (SYNCH_OT_preset, SYNCH_OT_plain_look, SYNCH_OT_number_stripes, SYNCH_OT_asset_library)

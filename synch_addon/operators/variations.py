@@ -14,8 +14,10 @@ from .. import api
 from ..blender.translations import translate
 from ..jobs.report import count_text
 from ..patterns import memory
+from ..patterns.found_again import VariationsJob
 from ..patterns.numbers import renew_shown
 from ..settings.rna import property_of
+from .field_operator import ObjectOperator
 from .picking import PickingOperator
 from .ready import PromptOperator, ReadyOperator
 
@@ -97,6 +99,26 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
         return f"{_find_variations(report)}; {more:+.1%} energy, against the best"
 
 
+class SYNCH_OT_find_variations(ObjectOperator, bpy.types.Operator):
+    """Solve what the object shows once more, with the settings that it was solved with: the pattern stays, and its \
+variations, their pictures and placing of defects are there again"""
+
+    bl_idname = "synch.find_variations"
+    bl_label = "Find Variations Again"
+
+    @classmethod
+    def lacking(cls, obj):
+        if memory.holds(obj):
+            return f"the variations of {obj.name} are in memory"
+        return None if obj.synch.result else f"{obj.name} has no pattern: solve stripes or quads on it first"
+
+    def _job(self, context):
+        return VariationsJob(context.active_object)
+
+    def _headline(self, report):
+        return _find_variations(report)
+
+
 class SYNCH_OT_place_defect(_SolvedOperator, PickingOperator, bpy.types.Operator):
     """Click on the surface to put a line end there, where a short stripe begins; drag to move it, click again for \
 more; Enter ends, Esc undoes"""
@@ -155,4 +177,10 @@ def _find_variations(report):
     return f"{report['object']}: energy {report['energy']:.4g}, {count_text(len(report['dislocations']), 'line end')}"
 
 
-CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)
+CLASSES = (
+    SYNCH_OT_variation,
+    SYNCH_OT_draw_variation,
+    SYNCH_OT_find_variations,
+    SYNCH_OT_place_defect,
+    SYNCH_OT_trace_quads,
+)

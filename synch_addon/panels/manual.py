@@ -9,11 +9,11 @@ from ..settings.preferences import manual_address
 _OPERATORS = {
     "patterns": "stripes quads directions",
     "background": "cancel keep",
-    "result": "variation draw_variation place_defect keep_favourite show_favourite remove_favourite select_defects "
-    "next_defect drag_defect select_places copy_report pin unpin",
+    "result": "variation draw_variation find_variations place_defect keep_favourite show_favourite remove_favourite "
+    "select_defects next_defect drag_defect select_places copy_report pin unpin",
     "quads": "quad_mesh quad_mesh_again trace_quads",
     "overlay": "show_loop",
-    "looks": "preset asset_library number_stripes",
+    "looks": "preset plain_look asset_library number_stripes",
     "lines": "isolines relief carry",
     "bake": "bake",
     "layers": "layers layer_group_add layer_group_remove",

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of presets: their thumbnails as icons, a button that applies one, and one for the library of assets."""
+"""The panel of looks: a picture of the one that is shown, a list of pictures that a click applies, and a button for the
+library of assets."""
 
 import bpy
 import bpy.utils.previews
 from bpy.props import EnumProperty
 
 from ..blender.phases import pattern_kind
-from ..blender.translations import translate
 from ..looks import assets
-from ..looks.presets import PRESETS
+from ..looks.presets import PLAIN, PRESETS, shown_preset
 from ..settings.preferences import is_simple
 from .look import draw_look
 from .sidebar import SettingsPanel
 
 # Items without icons, for what is shown as text.
 PRESET = [(name, preset.label, preset.description) for name, preset in PRESETS.items()]
+_LOOKS = [(PLAIN, "Plain", "Two colours, as every pattern has at first"), *PRESET]
+# Custom property of a scene: the number of the look that was chosen before there was a pattern.
+_CHOSEN = "synch_chosen_look"
 
 
 class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
@@ -33,8 +36,6 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
     def draw_body(self, context):
         layout = self.layout
         layout.template_icon_view(context.scene, "synch_preset", show_labels=True, scale=5.0, scale_popup=5.0)
-        look = translate(PRESETS[context.scene.synch_preset].label)
-        layout.operator("synch.preset", text=translate("Apply {look}", look=look), icon="MATERIAL", translate=False)
         draw_look(layout, context.active_object)
         if is_simple():
             return
@@ -44,10 +45,19 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
             layout.operator("synch.asset_library", icon="ASSET_MANAGER")
 
 
-def _apply(scene, _context):
+def _get_look(scene):
+    shown = shown_preset(bpy.context.active_object)
+    names = [name for name, *_ in _LOOKS]
+    return min(scene.get(_CHOSEN, 0), len(names) - 1) if shown is None else names.index(shown)
+
+
+def _set_look(scene, number):
     """A click on a look's picture in the window applies it."""
-    if not bpy.app.background and bpy.ops.synch.preset.poll():
-        bpy.ops.synch.preset("INVOKE_DEFAULT", preset=scene.synch_preset)
+    scene[_CHOSEN] = number
+    name = _LOOKS[number][0]
+    operator, given = (bpy.ops.synch.plain_look, {}) if name == PLAIN else (bpy.ops.synch.preset, {"preset": name})
+    if not bpy.app.background and operator.poll():
+        operator("INVOKE_DEFAULT", **given)
 
 
 class _Thumbnails:
@@ -60,14 +70,16 @@ class _Thumbnails:
         """Load the thumbnails and register choice and panel."""
         self._icons = bpy.utils.previews.new()
         items = []  # Blender keeps no reference to the texts of items that a function returns
-        for number, (name, label, tip) in enumerate(PRESET):
-            icon = self._icons.load(name, str(assets.THUMBNAILS / f"{name}.png"), "IMAGE")
+        for number, (name, label, tip) in enumerate(_LOOKS):
+            file = "stripes" if name == PLAIN else name
+            icon = self._icons.load(name, str(assets.THUMBNAILS / f"{file}.png"), "IMAGE")
             items.append((name, label, tip, icon.icon_id, number))
         bpy.types.Scene.synch_preset = EnumProperty(
-            name="Preset",
-            description="What the object looks like",
+            name="Look",
+            description="What the object looks like: a click on a picture applies it",
             items=lambda _owner, _context: items,
-            update=_apply,
+            get=_get_look,
+            set=_set_look,
         )
         bpy.utils.register_class(SYNCH_PT_material_presets)
 

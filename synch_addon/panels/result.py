@@ -5,6 +5,7 @@ import bpy
 
 from ..blender.defect_empties import collection_of_defects
 from ..blender.registration import register_all
+from ..blender.schema import KEPT
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
@@ -75,6 +76,9 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             slider.prop(obj.synch_shown, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
             draw_cost(layout, obj, result)
+        elif result["command"] in KEPT:
+            layout.label(text="Variations are not saved in files", icon="INFO")
+            layout.operator("synch.find_variations", icon="FILE_REFRESH")
         if not simple and result["command"] != "directions":
             draw_favourites(layout, obj.synch.favourites)
         if not simple:
@@ -111,7 +115,10 @@ def _found(context):
 
 def draw_shown_defects(layout, obj, overlay):
     """How the defects of an object are seen: as dots, and as empties."""
-    row, defects = layout.row(align=True), collection_of_defects(obj)
+    split, defects = layout.split(factor=0.4), collection_of_defects(obj)
+    label, row = split.row(), split.row(align=True)
+    label.alignment = "RIGHT"
+    label.label(text="Defects")
     row.prop(overlay, "defects", toggle=True, icon="DOT")
     if defects is not None:
         row.prop(defects, "hide_viewport", text="Empties", toggle=True, invert_checkbox=True, icon="EMPTY_AXIS")
@@ -119,12 +126,14 @@ def draw_shown_defects(layout, obj, overlay):
 
 def draw_cost(layout, obj, result):
     """How much more energy what is shown has than the solution of the same solve, in a line that is always there."""
-    best = memory.solve_of(obj).shown.solution
+    solved = memory.solve_of(obj)
+    best = solved.shown.solution
     if best is not None and best.energy > 0:
         more = result["energy"] / best.energy - 1
         text = translate("{more:+.1%} energy, against the best", more=more)
         if abs(more) < _SAME:
-            text = translate("The best of this solve")
+            early = solved.report.ended_early
+            text = translate("Ended early, before the best" if early else "The best of this solve")
         layout.label(text=text, icon="BLANK1", translate=False)
 
 

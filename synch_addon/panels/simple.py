@@ -73,6 +73,9 @@ def _get_lines(simple):
 
 def _set_lines(simple, count):
     stored = simple.id_data.synch
+    shown = _get_lines(simple)
+    if math.isclose(count, shown, rel_tol=1e-5) or count == round(count) == round(shown):  # Enter in the field
+        return
     if _size(simple) > 0:
         stored.spacing, stored.automatic_spacing = _size(simple) / count, False
 

@@ -58,7 +58,7 @@ def show(obj, name):
     result = favourite.result
     with meshes.object_mode(obj), whole_or_nothing():
         settings, request, field, pattern = read_back(obj, result, favourite.number)
-        solved = _solve_of(obj, request, field)
+        solved = matching_solve(obj, request, field)
         if solved is not None:
             phases, report = pattern.phases, solved.report.for_another_result()
             shown = solved.pattern.with_phases(phases)
@@ -89,7 +89,7 @@ def _favourite(obj, name):
     return found
 
 
-def _solve_of(obj, request, field):
+def matching_solve(obj, request, field):
     """The solve in memory, where it is one of a request's command, spacing and branching along a field."""
     try:
         solved = memory.recall(obj)

@@ -25,8 +25,11 @@ from .curves_read import curves_read
 class FieldJob:
     """A field, a pattern or a quad mesh of an object; see :mod:`..jobs.job`.
 
-    ``replaced`` is an earlier quad mesh of the object, whose place the new one and its first results take.
+    ``replaced`` is an earlier quad mesh of the object, whose place the new one and its first results take;
+    ``ended_early`` says whether the result is one that the user did not want to wait longer for.
     """
+
+    ended_early = False
 
     def __init__(self, command, obj, settings, replaced=None):
         meshes.refuse(obj)
@@ -62,6 +65,7 @@ class FieldJob:
         """Write the result to the object at once; returns the report."""
         obj, request = self.link.found, self.request
         self._report.take(result)
+        self._report.ended_early = self.ended_early
         with meshes.object_mode(obj), whole_or_nothing():
             if result.quads is not None:
                 with solved_object(obj, self._refinement) as surface:

@@ -5,6 +5,7 @@ import math
 from dataclasses import asdict
 
 from ...core.errors import SynchError
+from ...core.settings.guidance import parse_guidance
 from ..jobs.kept_results import read_result_or_empty
 from ..reading.surface import settings_for
 from ..settings.fields import RECORDS, original_of, source_of, stored_settings
@@ -28,8 +29,24 @@ def shows_other_settings(obj, kind):
         now = asdict(settings_for(kind, original_of(obj), stored_settings(obj)))
     except SynchError:
         return False
-    before = result["settings"]
+    before = _with_sources(result["settings"])
+    now = _with_sources(now)
     return any(not _are_same(now[name], before.get(name, now[name])) for name in _compared(kind, now, obj))
+
+
+def _with_sources(settings):
+    """Settings with the sources of the guidance in place of its text, in which a strength of 1 may be left out."""
+    try:
+        sources = parse_guidance(settings["guidance"])
+    except (SynchError, KeyError):  # others have written it
+        return settings
+    told = [(source.kind, source.name, _strength(source)) for source in sources]
+    return settings | {"guidance": told} if told else settings
+
+
+def _strength(source):
+    """The strength of a source; of an attribute without one None, which is not the same as 1."""
+    return 1.0 if source.strength is None and source.kind != "attribute" else source.strength
 
 
 def _compared(kind, settings, obj):

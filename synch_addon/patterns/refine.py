@@ -217,7 +217,7 @@ def draw_told(column, command, obj):
     """Say what the automatic spacing of a command is."""
     told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
     if told is not None:
-        text = "Two quads: about {length}" if lines_in_period(command) == 2 else "About {length} apart"
+        text = "About {length} for two quads" if lines_in_period(command) == 2 else "About {length} apart"
         column.label(text=translate(text, length=as_length(told)), icon="BLANK1", translate=False)
 
 

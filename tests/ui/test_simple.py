@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from .test_window import add_ball
+from .test_window import add_ball, solved
 
 
 @pytest.fixture
@@ -72,3 +72,28 @@ def test_a_click_on_the_picture_of_a_look_applies_it(simple, keep):
         return (red > blue + 50).sum() > 20_000
 
     keep("look_in_solid", simple.wait_to_see(is_velvet, None))
+    assert not simple.shows("Apply Corduroy")
+    simple.run("bpy.ops.ed.undo_push(message='before')")
+    place = simple.wait_for("Look") + (40, -55)
+    simple.click(place)
+    simple.wait_for("Zebra", "WINDOW")
+    keep("looks", simple.picture())
+    simple.click("Zebra", "WINDOW")
+    simple.until("active().active_material.name == 'Synch Zebra' and bpy.context.scene.synch_preset == 'zebra'")
+    simple.move((500, 700))
+    simple.press("Z", ctrl=True)  # one step
+    simple.until("active().active_material.name == 'Synch Corduroy' and bpy.context.scene.synch_preset == 'corduroy'")
+
+
+def test_enter_in_a_field_that_is_unchanged_changes_nothing(simple):
+    add_ball(simple, 4)
+    simple.run("active().synch.automatic_spacing = True; area().tag_redraw()")
+    solved(simple)
+    lines = simple.value("active().synch_simple.lines")
+    assert lines != round(lines)
+    simple.move(simple.wait_for("Lines Across") + (76, 0))
+    simple.hold(ctrl=True)  # as a double click, which edits the field
+    simple.release()
+    simple.press("RET")
+    assert simple.value("[active().synch_simple.lines, active().synch.automatic_spacing]") == [lines, True]
+    assert not simple.shows(simple.says("Update {what}", what=simple.says("Stripes")))

@@ -287,8 +287,14 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     for text in figures(panel, found):
         assert panel.shows(text), text
     panel.scroll_to("Synch Fields", up=True)
-    panel.click("Stripes")  # what needs a solve comes back with one
-    panel.wait_for("Variation")
+    panel.wait_for("Variations are not saved in files")
+    keep("opened", panel.picture("UI"))
+    panel.click("Find Variations Again")
+    panel.until("part('patterns.memory').holds(active())")
+    gallery = "part('panels.thumbnails').galleries.of(active())"
+    panel.until(f"{gallery}.is_complete and len({gallery}.made) == {gallery}.count > 1")
+    after = panel.value("state()")
+    assert after["attributes"] == before["attributes"] and after["children"] == before["children"]
 
 
 def stripes_are_seen(picture):

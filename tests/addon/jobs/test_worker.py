@@ -61,6 +61,8 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     work._reported = 0.0, work.age  # just now
     assert re.fullmatch(r"\d+ s, about (59|60) s left", work.times)
     assert re.fullmatch(r"\d%  [a-z ]+, about (59|60) s left", work.short_line)
+    work.stage = "relaxation"
+    assert "searching" in work.short_line and "relaxation" not in work.line
     work.expected = None
     assert re.fullmatch(r"\d%  [a-z ]+, \d+ s", work.short_line)
     work._told = work.age, 1e-3  # far less than it will take
@@ -84,6 +86,21 @@ def test_the_bar_moves_steadily_between_two_reports(monkeypatch):
     steps = np.diff(shares)
     assert steps.min() > 0.002 and steps.max() < 0.27 and steps[:31].min() > 0.006
     assert shares[0] == 0.05 and 0.9 < shares[-1] < 1
+
+
+def test_the_bar_falls_back_where_an_estimate_was_far_too_short(monkeypatch):
+    """Work of 100 seconds that was expected to take two: the bar is never far ahead of the time."""
+    now = [100.0]
+    monkeypatch.setattr(queue_module, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    work = Work(SimpleNamespace(link=None), "Layers")
+    work.begin()
+    work.expected = 2.0
+    ahead = []
+    for seconds in np.arange(0.25, 100, 0.25):
+        now[0] = 100 + seconds
+        work.fraction = np.floor(seconds / 10) / 10  # a report every ten seconds
+        ahead.append(work.share - seconds / 100)
+    assert max(ahead) < 0.4 and max(ahead[40:]) < 0.32 and min(ahead) > -0.1
 
 
 def test_a_result_that_memory_cannot_hold_gives_one_line(monkeypatch):

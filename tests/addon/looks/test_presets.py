@@ -14,6 +14,7 @@ from synch_fields.synch_addon.looks import assets
 from synch_fields.synch_addon.looks.presets import PRESETS
 from synch_fields.synch_addon.operators.presets import SYNCH_OT_preset
 from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.patterns.other_settings import shows_other_settings
 
 from ..scenes import attribute, grid, make_active, quad_sphere, save_and_reopen, snapshot, sphere, torus
 
@@ -288,3 +289,31 @@ def test_the_library_is_listed_in_the_preferences_only_when_asked(tmp_path, monk
         assert bpy.ops.synch.asset_library() == {"FINISHED"}
         assert assets.is_registered(bpy.context.preferences) and len(libraries) == before + 1
     libraries.remove(libraries[-1])
+
+
+def test_the_picture_is_that_of_the_look_that_is_shown():
+    obj, scene = sphere(3), bpy.context.scene
+    assert scene.synch_preset == "plain"
+    api.stripes(obj, spacing=0.4)
+    (plain,) = obj.data.materials
+    for name in ("zebra", "knit"):
+        api.preset(obj, name)
+        assert scene.synch_preset == name
+    assert bpy.ops.synch.plain_look() == {"FINISHED"}
+    assert scene.synch_preset == "plain" and list(obj.data.materials) == [plain]
+    api.quads(obj, spacing=0.8)
+    api.preset(obj, "cane")
+    assert scene.synch_preset == "cane"
+    assert bpy.ops.synch.plain_look() == {"FINISHED"} and scene.synch_preset == "plain"
+    assert obj.active_material.name == "Synch Quads"
+    make_active(grid())
+    assert not bpy.ops.synch.plain_look.poll()
+
+
+@pytest.mark.parametrize("name", ["corduroy", "wood-cut", "zebra"])
+def test_a_preset_that_was_just_solved_is_of_the_settings_of_the_panel(name):
+    obj = sphere(3)
+    assert bpy.ops.synch.preset(preset=name) == {"FINISHED"}
+    assert not shows_other_settings(obj, "stripes")
+    obj.synch.guidance = "CURVATURE_MAX"
+    assert shows_other_settings(obj, "stripes")

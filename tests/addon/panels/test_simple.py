@@ -147,3 +147,16 @@ def test_a_vortex_curve_is_named_as_what_it_is():
     layout = MagicMock()
     assert sidebar.draw_unready(layout, curve)
     assert [call.kwargs["text"] for call in layout.label.call_args_list] == ["Ring", "Vortex filaments"]
+
+
+def test_a_count_of_lines_that_stays_as_it_is_shown_changes_nothing():
+    """As Enter does in the field, which shows no decimals, and rounded ones while it is edited."""
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    before = simple.lines
+    assert before != round(before)
+    simple.lines = round(before)
+    simple.lines = before * (1 + 2e-6)
+    assert stored.automatic_spacing and simple.lines == before
+    simple.lines = round(before) + 1
+    assert not stored.automatic_spacing and simple.lines == pytest.approx(round(before) + 1)

@@ -85,7 +85,7 @@ def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
     assert layout.lines == [translate("About {length} apart", length=f"{told:.3g} m")]
     refine.draw_told(layout, "quad_mesh", obj)  # whose spacing is that of two lines
     told = refine.expected_spacing("quad_mesh", obj)
-    assert layout.lines.pop() == translate("Two quads: about {length}", length=f"{told:.3g} m")
+    assert layout.lines.pop() == translate("About {length} for two quads", length=f"{told:.3g} m")
     obj.synch.automatic_spacing = False
     refine.draw_told(layout, "stripes", obj)
     assert len(layout.lines) == 1

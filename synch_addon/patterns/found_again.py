@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solves a pattern of an opened file again: its variations come back, and what the object shows stays."""
+
+from ..blender import meshes
+from ..blender.transaction import whole_or_nothing
+from ..jobs.kept_results import read_result, read_settings
+from . import job
+from .favourites import matching_solve
+from .read_back import read_back
+
+
+class VariationsJob(job.FieldJob):
+    """The solve that an object's attributes are of, with its own settings; see :mod:`..jobs.job`.
+
+    Its result is remembered as the solve of the pattern that the object shows, which may be a variation or have placed
+    defects. Where it does not fit, since mesh or guides have changed or the search was ended early, the new pattern is
+    shown, with a warning.
+    """
+
+    def __init__(self, obj):
+        meshes.refuse(obj)
+        with meshes.object_mode(obj):
+            _, *self._shown = read_back(obj, obj.synch.result)
+        kept = read_result(obj.synch.result, obj.name)
+        super().__init__(kept["command"], obj, read_settings(kept, obj.name))
+
+    def write(self, result):
+        """Write the result to the object at once; returns the report."""
+        obj, (request, field, pattern) = self.link.found, self._shown
+        number = obj.synch_shown.variation
+        with meshes.object_mode(obj), whole_or_nothing():
+            report = super().write(result)
+            solved = matching_solve(obj, request, field)
+            if solved is None:
+                line = "this is another pattern, since mesh or guides have changed, or the search was ended early: "
+                line += "undo brings the other one back"
+                return report | {"warnings": [*report["warnings"], line]}
+            phases = pattern.phases
+            arguments = solved.request, solved.field, solved.pattern.with_phases(phases)
+            fresh = solved.report.for_another_result()
+            change = lambda state: state.pattern.with_phases(phases)  # noqa: E731
+            return job.write_result(obj, *arguments, fresh, number, change, instead=True)
