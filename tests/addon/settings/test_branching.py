@@ -74,14 +74,14 @@ def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
     for command, branching, singularities in (
         ("stripes", 1.0, 1.0),
         ("quads", 1.0, 1.0),
-        ("quad_mesh", 0.0, 0.95),
+        ("quad_mesh", 0.0, 0.9),
         ("directions", None, 1.0),
     ):
         settings = FieldJob(command, obj, SurfaceSettings(spacing=0.2)).request.settings
         assert (settings.branching, settings.singularities) == (branching, singularities)
     obj = lumps()
     report = api.quad_mesh(obj, spacing=0.2)
-    assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.95)
+    assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.9)
     assert report["dislocations"] == []
     assert report["quad_mesh"]["quad_share"] == 1
     more = api.quad_mesh(obj, spacing=0.2, branching=1.0, singularities=1.0)
@@ -95,7 +95,7 @@ def test_only_fewer_singularities_than_usual_are_warned_of_along_given_direction
     obj = lumps()
     api.directions(obj, symmetry="cross")
     along = {"spacing": 0.4, "guidance": "attribute:synch_direction"}
-    for share, warned in ((None, False), (0.95, False), (0.5, True)):
+    for share, warned in ((None, False), (0.9, False), (0.5, True)):
         report = api.quad_mesh(obj, singularities=share, **along)
         assert any("with all their singular points" in line for line in report["warnings"]) == warned
 
@@ -117,22 +117,22 @@ def test_the_panel_has_them_in_percent():
     api.quad_mesh(obj, spacing=0.3)
     made = bpy.context.active_object.synch
     # The mesh keeps what it was made with; the rest is as on its source.
-    assert {name: getattr(made, name) for name in given} == given | {"mesh_branching": 0, "mesh_singularities": 95}
+    assert {name: getattr(made, name) for name in given} == given | {"mesh_branching": 0, "mesh_singularities": 90}
 
 
 def test_operators_have_the_defaults_of_what_they_make():
     assert bpy.ops.synch.stripes.get_rna_type().properties["branching"].default == 100
     assert bpy.ops.synch.quad_mesh.get_rna_type().properties["branching"].default == 0
     assert bpy.ops.synch.quads.get_rna_type().properties["singularities"].default == 100
-    assert bpy.ops.synch.quad_mesh.get_rna_type().properties["singularities"].default == 95
+    assert bpy.ops.synch.quad_mesh.get_rna_type().properties["singularities"].default == 90
     obj = hills()
     assert bpy.ops.synch.quads(spacing=0.2, branching=30, singularities=50) == {"FINISHED"}
     settings = json.loads(obj.synch.result)["settings"]
     assert (settings["branching"], settings["singularities"]) == (0.3, 0.5)
     assert bpy.ops.synch.quad_mesh(spacing=0.2) == {"FINISHED"}
     settings = json.loads(bpy.context.active_object.synch.result)["settings"]
-    assert (settings["branching"], settings["singularities"]) == (0, 0.95)
-    assert (obj.synch.mesh_branching, obj.synch.mesh_singularities) == (0, 95)
+    assert (settings["branching"], settings["singularities"]) == (0, 0.9)
+    assert (obj.synch.mesh_branching, obj.synch.mesh_singularities) == (0, 90)
 
 
 def test_the_command_line_has_them(tmp_path, capfd):
@@ -148,7 +148,7 @@ def test_the_command_line_has_them(tmp_path, capfd):
     assert run(capfd, "quad_mesh", path, *flags)[0] == 0
     assert json.loads(report.read_text())["settings"]["branching"] == 0
     assert run(capfd, "quad_mesh", path, *flags[:2], *flags[4:])[0] == 0
-    assert json.loads(report.read_text())["settings"]["singularities"] == 0.95
+    assert json.loads(report.read_text())["settings"]["singularities"] == 0.9
     assert run(capfd, "directions", path, "--symmetry", "cross", "--singularities", 0, *flags[-3:])[0] == 0
     assert len(json.loads(report.read_text())["disclinations"]) == 8
     status, _, err = run(capfd, "directions", path, "--branching", 0)
