@@ -50,10 +50,12 @@ class Draft:
 
     @property
     def finished_count(self) -> float:
-        """Number of faces after finishing, known from the traced mesh, mostly within 1 %: triangles go in pairs with
-        what is between them, and polygons with 2 k corners become k - 1 quads."""
+        """Number of faces after finishing, known from the traced mesh, mostly within 1 % where all become quads:
+        triangles go in pairs with what is between them, and polygons with 2 k corners become k - 1 quads."""
         sizes = self.traced[0].sizes
-        return float((sizes[sizes > 3] / 2 - 1).sum())
+        if not self.request.has_only_quads:
+            return float(len(sizes))
+        return max(1.0, float((sizes[sizes > 3] / 2 - 1).sum()))
 
 
 def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> Draft:

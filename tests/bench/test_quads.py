@@ -17,6 +17,7 @@ from synch_fields.core.geometry import TriangleMesh
 FIGURES = {
     "quad_share": 1.0,
     "other_faces": 0,
+    "irregular_on_rim": 2,
     "irregular_vertices": 8,
     "angle_deviation": 4.0,
     "worst_angle": 60.0,
