@@ -175,6 +175,12 @@ class Beads:
         # Travels before each sample, which is the number of its bead, and the way that the tip has printed.
         self.numbers = np.cumsum(moves.travels)[samples.moves]
         self.arc_lengths = np.cumsum(samples.spans)
+        # Length of the bead of each sample where it ends at its beginning, infinite where it does not.
+        _, firsts, of, counts = np.unique(self.numbers, return_index=True, return_inverse=True, return_counts=True)
+        lasts = firsts + counts - 1
+        gaps = np.linalg.norm(samples.tips[lasts] - samples.tips[firsts], axis=1)
+        lengths = self.arc_lengths[lasts] - self.arc_lengths[firsts] + gaps
+        self.loops = np.where(gaps < self.widths[firsts] / 2, lengths, np.inf)[of]
         self._middles = samples.tips - self._heights[:, None] / 2 * samples.tools
         self._tree = cKDTree(self._middles)
         # A box, and one over and one under it.
@@ -208,13 +214,19 @@ def moves_through(beads, samples):
     """(s,) bool: samples whose tip is inside a bead that was printed before, more than a tenth below its
     top and a tenth inside its sides.
 
-    The last width of the bead that the tip comes from does not count: the tip stands on it, and boxes do not bend.
+    The last width of the bead that the tip comes from does not count: the tip stands on it, and boxes do not bend. Nor
+    does the first width, from where the tip is, of a bead that it closes.
     """
     hit, last = np.zeros(len(samples.tips), bool), np.searchsorted(beads.moves, samples.moves) - 1
+    prints = beads.moves[np.minimum(last + 1, len(beads.moves) - 1)] == samples.moves
+    ways = np.cumsum(samples.spans)
+    since = ways - (ways - samples.spans)[np.searchsorted(samples.moves, samples.moves)]
     for row, near, up, aside in beads.around(samples.tips):
         inside = (beads.moves[near] < samples.moves[row]) & (np.abs(up) < 0.8) & (aside < 0.9)
         own = beads.numbers[near] == beads.numbers[last[row]]
-        own &= beads.arc_lengths[last[row]] - beads.arc_lengths[near] < beads.widths[near]
+        behind = beads.arc_lengths[last[row]] - beads.arc_lengths[near]
+        ahead = np.where(prints[row], beads.loops[near] - behind - since[row], np.inf)
+        own &= np.minimum(behind, ahead) < beads.widths[near]
         hit[row[inside & ~own]] = True
     return hit
 

@@ -128,9 +128,13 @@ def _about_print(facts, step, has_contours):
         (
             "too_thin",
             f"lower than the nozzle's {machine['smallest_height']:g} mm",
-            "give a smallest height, or a larger spacing",
+            "take a larger spacing, or give the layers a smallest height where they have none",
         ),
-        ("too_thick", f"higher than the nozzle's {largest:g} mm", "give a largest height, or a smaller spacing"),
+        (
+            "too_thick",
+            f"higher than the nozzle's {largest:g} mm",
+            "take a smaller spacing, or give the layers a largest height where they have none",
+        ),
         ("too_steep", f"steeper than {machine['largest_tilt']:g} degrees", "turn the object or the guidance"),
     ):
         if facts[kind] >= TOLD:

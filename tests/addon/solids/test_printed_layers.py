@@ -78,6 +78,27 @@ def test_beads_that_no_nozzle_lays_are_told_with_a_step_that_it_does(layered, tm
     assert not any("do not come from a nozzle" in line for line in told)
 
 
+@pytest.mark.parametrize(
+    ("limits", "remedy"),
+    [
+        (
+            "smallest_height = 0.01\nlargest_height = 0.1",
+            "take a smaller spacing, or give the layers a largest height where they have none",
+        ),
+        (
+            "smallest_height = 8\nlargest_height = 9",
+            "take a larger spacing, or give the layers a smallest height where they have none",
+        ),
+    ],
+)
+def test_beads_outside_the_heights_of_a_machine_are_told_with_a_remedy(layered, tmp_path, limits, remedy):
+    """The machine has a limit wherever this is said: to give one is no advice where the layers have it, too."""
+    (tmp_path / "printer.toml").write_text(limits)
+    told = api.layer_toolpaths(layered, 0.2, machine=tmp_path / "printer.toml")["warnings"]
+    (line,) = [line for line in told if "than the nozzle's" in line]
+    assert line.endswith(remedy)
+
+
 def test_what_lies_on_air_is_listed_and_drawn(layered):
     """A tilted block stands on a corner: its lowest layer is on air but there."""
     report = api.layer_toolpaths(layered, 0.2)

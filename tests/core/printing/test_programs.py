@@ -106,6 +106,32 @@ def test_a_travel_through_a_bead_is_seen():
         assert hit.sum() == 8
 
 
+def test_a_bead_that_ends_at_its_beginning_is_no_bead_through_a_bead():
+    """It sinks by a quarter of its height on its way around; where it crosses itself elsewhere, or goes on, it counts.
+
+    The tip is inside of a bead of half width 0.5 less than 0.45 from its middle.
+    """
+    begin = "G28\nG90 M83\nG0 X0 Y0 Z1 F6000\n;TYPE:x\n;WIDTH:1\n;HEIGHT:0.4\n"
+
+    def through(places, away="G0 Z5", kind="printing"):
+        rows = [f"G1 X{x} Y{y} Z{z} E1 F600" for x, y, z in places]
+        moves = read_moves("\n".join([begin, *rows, away, "G0 X20 Z5", "G1 X30 E1"]))
+        beads = Beads(sampled(moves, moves.printing, 0, 0.02), moves)
+        tried = sampled(moves, getattr(moves, kind), 0, 0.02)
+        return tried.tips[moves_through(beads, tried)]
+
+    sides = [(3, 0, 1), (3, 3, 1), (0, 3, 1)]
+    assert not len(through([*sides, (0, 0.1, 0.9)]))
+    for crossing in (
+        [*sides, (0, -2, 0.9)],
+        [(6, 0, 1), (6, 3, 1), (3, 3, 1), (3, -3, 0.8), (0, -3, 0.8), (0, 0.1, 1)],
+    ):
+        tips = through(crossing)
+        assert 0.8 < np.ptp(tips[:, 1]) < 1.0 and np.abs(tips[:, 1]).max() < 0.5
+    # A travel out of the closed bead has no right to go through its beginning.
+    assert np.ptp(through([*sides, (0, 0.1, 0.9)], "G0 X2 Y0\nG0 Z5", "travels")[:, 0]) > 1
+
+
 @pytest.mark.parametrize("axes", ["ac", "bc"])
 @pytest.mark.parametrize("moves", ["inverse", "feed", "tcp"])
 def test_dialects_lead_the_same_way_at_the_same_speed(moves, axes):
