@@ -112,7 +112,8 @@ class _Cubes:
             (low + wide * (row[begin] + 0.5), np.minimum.reduceat(places, begin), np.append(within, count))
             for wide, row, begin, within, count in zip(sizes, rows, begins, inside, counts, strict=True)
         ]
-        return cls(levels if len(places) else [], [_AROUND * wide for wide in sizes], places)
+        radii = [_AROUND * wide for wide in sizes]
+        return cls(levels, radii, places) if len(places) else cls([], [], places)
 
     def in_cones(
         self, tips: np.ndarray, axes: np.ndarray, numbers: np.ndarray, far: np.ndarray, slack: float, machine: Machine

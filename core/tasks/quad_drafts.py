@@ -36,7 +36,7 @@ class Draft:
         """Number of faces; without branching that of quads for which the phases have room, mostly within 1 % of it."""
         pattern = self.result.pattern
         if not self.request.has_only_quads:
-            return len(self.request.trace(pattern)[0].sizes)
+            return self.traced_count
         return pattern.one_form.reaching(pattern.edge_phases.changes).quad_count
 
     def misses(self, wanted: float) -> float:
@@ -49,13 +49,24 @@ class Draft:
         return self.request.trace(self.result.pattern)
 
     @property
+    def traced_count(self) -> int:
+        """Number of faces before finishing, with their mirror images."""
+        return len(self.traced[0].sizes) * self._images
+
+    @property
+    def _images(self) -> int:
+        """How often the whole mesh has what is traced: mirrored meshes are made on a part."""
+        side = self.request.mirror_side
+        return 1 if side is None else 2 ** len(side.units)
+
+    @property
     def finished_count(self) -> float:
-        """Number of faces after finishing, known from the traced mesh, mostly within 1 % where all become quads:
-        triangles go in pairs with what is between them, and polygons with 2 k corners become k - 1 quads."""
-        sizes = self.traced[0].sizes
+        """Number of faces after finishing, known from the traced mesh, mostly within 1 %: triangles go in pairs with
+        what is between them, and polygons with 2 k corners become k - 1 quads."""
         if not self.request.has_only_quads:
-            return float(len(sizes))
-        return max(1.0, float((sizes[sizes > 3] / 2 - 1).sum()))
+            return self.face_count
+        sizes = self.traced[0].sizes
+        return max(1.0, float((sizes[sizes > 3] / 2 - 1).sum()) * self._images)
 
 
 def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> Draft:

@@ -222,7 +222,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             count = draft.face_count
             drafts.append(draft)
             # Tracing raises SettingError if the quads are too large for a mesh, before more work goes into it.
-            traced = len(draft.traced[0].sizes) if count < FEW else 0
+            traced = draft.traced_count if count < FEW else 0
             if traced > SPOILT * FEW:
                 drafts.pop()
                 count = traced

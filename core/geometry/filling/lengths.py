@@ -117,7 +117,8 @@ class Lengths(NamedTuple):
             size = estimate(distance).size
             if spacing is not None:
                 finer = spacing * lowest * (divisions or 1) / EDGES_PER_LAYER
-                if divisions or estimate(distance, min(size, finer)).tets <= UNDIVIDED_TETS:
+                fits = finer >= _smallest_size(distance)  # thin, slanting solids have few tetrahedra in many cubes
+                if divisions or (fits and estimate(distance, min(size, finer)).tets <= UNDIVIDED_TETS):
                     size = min(size, finer)
         lengths = cls.carried(distance, spacing, size, lowest, divisions)
         finest = lengths.period * lowest

@@ -35,10 +35,8 @@ def fill_with_same_topology(distance: SurfaceDistance, size: float) -> TetMesh:
     flaw = _try_filling(distance, size)
     if isinstance(flaw, TetMesh):
         return flaw
-    finer, tried = (
-        float(f"{FINER * size:.2g}"),
-        size,
-    )  # rounded as in the message, so that the size in it is the one tried
+    finer = float(f"{FINER * size:.2g}")  # rounded as in the message, so that the size in it is the one tried
+    tried = ""
     while (count := estimated_tets(distance.volume, finer, distance.area)) <= MOST_TRIED and estimated_cubes(
         distance.bounds, finer
     ) <= MOST_TRIED_CUBES:
@@ -47,10 +45,10 @@ def fill_with_same_topology(distance: SurfaceDistance, size: float) -> TetMesh:
                 f"tetrahedra of size {size:.3g} are too large: {flaw}; give a size of {finer:g}, which makes about "
                 f"{count:,} of them"
             )
-        finer, tried = float(f"{FINER * finer:.2g}"), finer
+        finer, tried = float(f"{FINER * finer:.2g}"), f"sizes down to {finer:g} were tried, too: "
     raise MeshError(
-        f"tetrahedra of size {size:.3g} are too large for the thin parts of the surface: {flaw}; sizes down to "
-        f"{tried:.3g} were tried, too: thicken these parts, or give a smaller size"
+        f"tetrahedra of size {size:.3g} are too large for the thin parts of the surface: {flaw}; {tried}thicken these "
+        "parts, or give a smaller size"
     )
 
 

@@ -195,3 +195,7 @@ def test_a_bead_leans_on_a_layer_up_to_45_degrees_aside():
             heights = plan.lines.points[plan.overhangs, 2]
             # Only near the rim, which moves out by a quarter from layer to layer.
             assert (found > 0.2 * (1 + 5 * slope * heights) - 0.26).all()
+
+
+def test_a_print_without_places_meets_nothing():
+    assert collisions(np.zeros((0, 3)), np.zeros((0, 3)), Machine(), 0.1, 0.05).shape == (0,)

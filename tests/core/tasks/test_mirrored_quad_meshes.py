@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.refinement.spacing import is_fine
 from synch_fields.core.settings.surface import SurfaceSettings
+from synch_fields.core.tasks import quad_drafts, quad_meshes
 
 from ..meshes import cube, torus
 from .test_surface_requests import asked, source_of
@@ -64,6 +65,22 @@ def test_a_mirrored_quad_mesh_is_its_own_image_at_every_count(shape, axes, faces
         theirs = np.sort(partner[quads.corner_vertices].reshape(-1, 4), axis=1)
         own = np.sort(quads.corner_vertices.reshape(-1, 4), axis=1)
         assert {*map(tuple, theirs)} == {*map(tuple, own)}
+
+
+@pytest.mark.parametrize(("axes", "branching"), [("", 0.0), ("Y", 0.0), ("XYZ", 0.0), ("", 1.0), ("Y", 1.0)])
+def test_the_faces_of_the_whole_mesh_are_counted_before_it_is_finished(axes, branching, monkeypatch):
+    counts = []
+    monkeypatch.setattr(quad_meshes, "complete", lambda *args: _finished(counts, *args))
+    asked("quad_mesh", source_of(ball()), faces=400, mirror=axes, branching=branching).solve()
+    for expected, drafted, finished in counts:
+        assert abs(expected / finished - 1) < 0.03 and abs(drafted / finished - 1) < 0.05
+    assert counts and abs(counts[-1][-1] / 400 - 1) < 0.05
+
+
+def _finished(counts, draft, *progress):
+    result = quad_drafts.complete(draft, *progress)
+    counts.append((draft.finished_count, draft.face_count, len(result.quads.sizes)))
+    return result
 
 
 def test_a_mirror_plane_across_faces_asks_for_a_surface_of_its_own():

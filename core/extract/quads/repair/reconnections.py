@@ -114,6 +114,9 @@ class Patch:
             if joined is None:
                 return None
             faces, ends = joined
+            beyond = [end for end in ends if end != kept]
+            if self.lines[alone] >= 0 and (self.held[beyond] | (self.lines[beyond] >= 0)).any():
+                return None  # its line leads on there, not from one merged corner to the other
             valences[alone] = 0
             valences[ends] -= 1
         rest = [corner for corner in np.unique(faces).tolist() if corner not in removed]

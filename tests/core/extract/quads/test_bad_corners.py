@@ -122,6 +122,21 @@ def test_the_middle_of_a_halved_edge_goes_with_the_quad_that_has_a_straight_corn
     assert all(way.valences[0] and way.valences[2] for way in line_patch(5).reconnected(0))
 
 
+def test_no_collapse_takes_a_vertex_whose_line_leads_through_the_collapsed_quad():
+    """The line leads from 0, which stays, over 1 to 4: with 1 both of its edges would be gone."""
+    faces = np.array([[0, 1, 2, 3], [1, 0, 5, 4], [2, 1, 4, 6]])
+    nothing = np.zeros(7, bool)
+    patch = Patch(faces, np.array([5, 3, 5, 5, 5, 5, 5]), nothing, np.full(7, -1), nothing, nothing)
+
+    def taken(patch):
+        return [way.valences[1] == 0 for way in patch.reconnected(0)]
+
+    assert any(taken(patch))
+    on_line = replace(patch, lines=np.array([0, 0, -1, -1, 0, -1, -1]))
+    assert taken(on_line) and not any(taken(on_line))
+    assert not any(taken(replace(on_line, held=np.arange(7) == 0)))
+
+
 def test_meshes_without_bad_corners_stay_as_they_are():
     mesh, quads = grid()
     shaken = quads.vertices.copy()

@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, round_up
-from synch_fields.core.geometry.filling.lengths import EDGES_PER_LAYER, LAYERS_ACROSS, MOST_TETS, Lengths, estimate
+from synch_fields.core.geometry.filling.lengths import (
+    EDGES_PER_LAYER,
+    LAYERS_ACROSS,
+    MOST_TETS,
+    Lengths,
+    Measures,
+    estimate,
+)
+from synch_fields.core.geometry.filling.stuffing import MOST_CUBES, estimated_cubes
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 
 from ...meshes import cube
@@ -75,6 +83,17 @@ def test_each_length_that_a_refusal_names_is_taken(spacing, size, divisions, nam
         given["divisions"] = given["divisions"] and int(given["divisions"])
         found = Lengths.of(distance, **given)
         assert estimate(distance, found.size).tets <= MOST_TETS
+
+
+@pytest.mark.parametrize("width", [0.01, 0.002, 0.0005])
+@pytest.mark.parametrize("layers", [0.5, 1, 2])
+def test_layers_of_a_slanting_rod_are_in_longer_periods_where_its_box_has_too_many_cubes(width, layers):
+    length = np.sqrt(3.0)
+    box, extents = np.array([[0.0, 0, 0], [1, 1, 1]]), np.array([length, width, width])
+    rod = Measures(length * width**2, 4 * length * width, box, extents)
+    lengths = Lengths.of(rod, width / layers, None)
+    assert estimated_cubes(box, lengths.size) <= MOST_CUBES
+    assert lengths.period >= EDGES_PER_LAYER * lengths.size * (1 - 1e-6)
 
 
 def test_limits_are_rounded_upwards():

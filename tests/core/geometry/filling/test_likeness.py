@@ -54,7 +54,13 @@ def test_another_body_is_refused_with_a_size_that_fits(mesh, size, flaw):
 def test_what_no_size_fills_is_refused(monkeypatch):
     monkeypatch.setattr(topology_check, "MOST_TRIED_CUBES", 1_000_000)
     with pytest.raises(MeshError, match=r"sizes down to 0.\d+ were tried, too: thicken these parts"):
-        fill_with_same_topology(SurfaceDistance(turned_box(4, 4, 0.001)), 0.04)
+        fill_with_same_topology(SurfaceDistance(turned_box(4, 4, 0.001)), 0.2)
+
+
+def test_no_other_size_is_told_where_none_was_tried(monkeypatch):
+    monkeypatch.setattr(topology_check, "MOST_TRIED_CUBES", 1)
+    with pytest.raises(MeshError, match="; thicken these parts, or give a smaller size"):
+        fill_with_same_topology(SurfaceDistance(turned_box(4, 4, 0.001)), 0.2)
 
 
 def slanting_rod(rings=28, around=4, thickness=1e-3):
