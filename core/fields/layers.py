@@ -136,7 +136,7 @@ class Spacings:
     ----------
     mean, deviation : lengths
     thinnest, thickest : lengths; 1 % of the counted volume is thinner, and 1 % thicker
-    counted : share of the volume
+    counted : share of the volume; where layers end inside, of the rays that mean and extremes are measured along
     distances : (m,) in each tetrahedron, nan where it does not count
     """
 
