@@ -4,7 +4,7 @@
     SYNCH_THREADS=1 python bench/cores.py MESH.obj [MESH.obj ...] [--problems "n = 4" ...]
 
 Prints Markdown. One solve on one core gives the CPU seconds of the relaxation, of its proof, of what rounding needs
-besides, and of every batch of columns of the rounding; of each also those of products whose rows several cores share.
+besides, and of each batch of columns of the rounding; and how much of each is in products whose rows cores can share.
 bench/README.md says what the model adds up.
 """
 
@@ -101,7 +101,7 @@ def measure(problem):
 
 
 class Part(NamedTuple):
-    """Seconds of work of one core, those of products whose rows cores can share, and the number of these products."""
+    """Seconds of work on one core; of these, in products whose rows cores can share; the number of such products."""
 
     alone: float = 0.0
     rows: float = 0.0

@@ -2,8 +2,8 @@
 """Sparse products on all cores: SciPy releases the interpreter's lock, so that threads can share the rows.
 
 The kernels of SciPy are called here without its checks of formats and types, which take half the time of a product on
-the small levels of a cycle. A range of rows needs no matrix of its own: the kernels find its entries by the row
-pointers, and write to a part of the result.
+the coarse levels of a multigrid cycle. A range of rows needs no matrix of its own: the kernels find its entries by the
+row pointers, and write to a part of the result.
 """
 
 from itertools import pairwise

@@ -41,7 +41,7 @@ class _Share:
         return self._total // max(min(self._left, self._at_once), 1)
 
     def end_part(self) -> None:
-        """Leave the threads of a part to those that are left."""
+        """Share the threads of a part that has ended among the remaining ones."""
         with self._lock:
             self._left -= 1
 
@@ -74,6 +74,9 @@ class _Pool:
 
     def map(self, work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
         """Compute [work(part) for part in parts], in threads and the calling one if a solve is inside."""
+        parts = list(parts)
+        if not parts:
+            return []
         first, *others = parts
         with self._lock:
             if self._inside and self._executor is None:

@@ -21,13 +21,13 @@ class VariationsJob(job.FieldJob):
         meshes.refuse(obj)
         with meshes.object_mode(obj):
             _, *self._shown = read_back(obj, obj.synch.result)
+        self._number = obj.synch_shown.variation
         kept = read_result(obj.synch.result, obj.name)
         super().__init__(kept["command"], obj, read_settings(kept, obj.name))
 
     def write(self, result):
         """Write the result to the object at once; returns the report."""
         obj, (request, field, pattern) = self.link.found, self._shown
-        number = obj.synch_shown.variation
         with meshes.object_mode(obj), whole_or_nothing():
             report = super().write(result)
             solved = matching_solve(obj, request, field)
@@ -39,4 +39,4 @@ class VariationsJob(job.FieldJob):
             arguments = solved.request, solved.field, solved.pattern.with_phases(phases)
             fresh = solved.report.for_another_result()
             change = lambda state: state.pattern.with_phases(phases)  # noqa: E731
-            return job.write_result(obj, *arguments, fresh, number, change, instead=True)
+            return job.write_result(obj, *arguments, fresh, self._number, change, instead=True)

@@ -42,6 +42,11 @@ def corner_angles(quads: QuadMesh) -> np.ndarray:
     return np.where(_looks_away(quads), 360 - angles, angles)
 
 
+def worst_deviations(quads: QuadMesh) -> np.ndarray:
+    """(f,) the largest deviation of each face's corners from a right angle, in degrees."""
+    return np.maximum.reduceat(np.abs(corner_angles(quads) - 90), quads.starts)
+
+
 def _sides(quads: QuadMesh) -> tuple[np.ndarray, np.ndarray]:
     """(c, 3) vectors from each corner to the next one, and to the previous one."""
     corners, following = quads.corner_vertices, quads.next_corners

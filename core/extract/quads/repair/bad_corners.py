@@ -13,15 +13,14 @@ from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
 from ..features.chains import Chains
-from ..measure.quality import corner_angles
+from ..measure.quality import corner_angles, worst_deviations
 from ..smooth.fitting import fit_quads, sliding_lines
 from ..smooth.patches import Ground
 from ..smooth.worst_corners import move_worst_corners
 from ..trace.quad_mesh import QuadMesh
 from .reconnections import Patch
 
-# Corners that deviate more than this from a right angle are bad, and those that deviate less than this are good, in
-# degrees.
+# Deviation from a right angle, in degrees, above which a corner is bad, and below which it is good.
 BAD, GOOD = 60.0, 45.0
 # What an irregular vertex costs, and by how much a patch must improve, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
@@ -75,11 +74,6 @@ def _bad_faces(quads: QuadMesh) -> list[int]:
     return bad[np.argsort(-offs[bad], kind="stable")].tolist()
 
 
-def worst_deviations(quads: QuadMesh) -> np.ndarray:
-    """(f,) the largest deviation of each face's corners from a right angle, in degrees."""
-    return np.maximum.reduceat(np.abs(corner_angles(quads) - 90), quads.starts)
-
-
 @dataclass(frozen=True)
 class _Part:
     """Quads around a bad one as a mesh of their own.
@@ -128,7 +122,7 @@ class _Surroundings:
     Attributes
     ----------
     ground : the surface below
-    patch : all faces, if they are quads; its vertices' attributes are used
+    patch : what is known of all vertices, without faces
     free : (n,) bool, vertices that may move
     """
 

@@ -12,9 +12,8 @@ from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
 from ..features.chains import move_vertices
 from ..trace.quad_mesh import QuadMesh
+from .reconnections import FEWEST, FEWEST_ON_RIM
 
-# Fewest edges at an interior vertex, and at one on the boundary.
-FEWEST, FEWEST_ON_RIM = 3, 2
 # Most edges at a vertex that stands for both ends of a halved edge.
 MOST = 6
 

@@ -13,7 +13,7 @@ from ....geometry.barycentric import barycentric
 from ....graphs import sum_by
 from ....unit_vectors import unit_vectors
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
-from ..measure.quality import corner_angles
+from ..measure.quality import worst_deviations
 from ..trace.quad_mesh import QuadMesh
 
 # Share by which the sides of target rectangles are moved to their mean length in the first round, falling linearly.
@@ -120,8 +120,7 @@ def _slide_along(quads: QuadMesh, chains: Chains, which: np.ndarray, places: np.
 
 def _urgencies(quads: QuadMesh) -> np.ndarray:
     """(f,) weights of faces in the mean of targets: the worse their worst corner, the larger."""
-    worst = np.maximum.reduceat(np.abs(corner_angles(quads) - 90), quads.starts)
-    return 1 + URGENCY * np.maximum(worst / GOOD - 1, 0) ** 2
+    return 1 + URGENCY * np.maximum(worst_deviations(quads) / GOOD - 1, 0) ** 2
 
 
 def _target_corners(quads: QuadMesh, mesh: TriangleMesh, square: float) -> np.ndarray:

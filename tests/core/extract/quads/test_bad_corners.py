@@ -9,8 +9,8 @@ import pytest
 
 from synch_fields.core.extract.quads.features.chains import follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
-from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
-from synch_fields.core.extract.quads.repair.bad_corners import BAD, mend_bad_corners, worst_deviations
+from synch_fields.core.extract.quads.measure.quality import corner_angles, quality, worst_deviations
+from synch_fields.core.extract.quads.repair.bad_corners import BAD, mend_bad_corners
 from synch_fields.core.extract.quads.repair.reconnections import Patch
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.geometry import TriangleMesh
