@@ -10,7 +10,6 @@ import pytest
 
 from synch_fields.core.process.ipc import pack_parts
 from synch_fields.synch_addon.blender.pattern_surface import surface_of
-from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns import guide_strokes, memory
 from synch_fields.synch_addon.patterns import live as live_module
@@ -20,6 +19,7 @@ from synch_fields.synch_addon.settings.fields import stored_settings
 
 from ..scenes import attribute, empties, snapshot, sphere, tube
 from .coarse_shapes import cube, half_body
+from .live_steps import followed, settled, solve, striped
 
 
 @pytest.fixture(autouse=True)
@@ -31,39 +31,6 @@ def _ends(monkeypatch):
     live.clear()
     for work in queue.works.copy():
         queue.cancel(work)
-
-
-def striped(make=sphere, command="stripes", spacing=0.4):
-    """The active object with a pattern of the panel's settings."""
-    obj = make()
-    obj.synch.automatic_spacing, obj.synch.spacing = False, spacing
-    solve(obj, command)
-    return obj
-
-
-def solve(obj, command="stripes"):
-    """What a click does, here and now; returns the report."""
-    return run(FieldJob(command, obj, stored_settings(obj)))
-
-
-def followed(steps=1, seconds=20.0):
-    """Look until so many results have been written, or nothing is asked for any more; how many were."""
-    written, before, end = 0, live._shown, time.monotonic() + seconds
-    while written < steps and time.monotonic() < end:
-        live.step(bpy.context)
-        if live._shown is not before and live._shown is not None:  # as it is after a rest
-            written, before = written + 1, live._shown
-        if live._work is None and not _asks():
-            break
-        time.sleep(0.005)
-    return written
-
-
-def _asks():
-    obj = bpy.context.active_object
-    shown = memory.state(obj)
-    known = (shown.report.settings, shown.report.curves_read), live._asked_last
-    return live._is_painted or live._asked(obj, shown) not in (None, *known)
 
 
 def add_row(obj, **values):
@@ -201,17 +168,6 @@ def test_small_steps_change_little_and_each_begins_where_the_last_one_ended():
         changes.append(np.abs(np.cos(attribute(obj, "synch_phase")) - np.cos(before)).mean())
         counts.append(len(empties(obj, "dislocation")))
     assert max(changes) < 0.15 and np.abs(np.diff(counts)).max() <= 2
-
-
-def settled(seconds=60.0):
-    """Look until the pattern has settled; every energy that was shown meanwhile."""
-    obj, energies, end = bpy.context.active_object, [], time.monotonic() + seconds
-    while live._changed is not None and time.monotonic() < end:
-        live.step(bpy.context)
-        if (energy := memory.state(obj).plain["energy"]) not in energies:
-            energies.append(energy)
-        time.sleep(0.005)
-    return energies
 
 
 @pytest.mark.parametrize("command", ["stripes", "quads"])
