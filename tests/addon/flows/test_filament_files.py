@@ -11,9 +11,10 @@ import pytest
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
-from synch_fields.synch_addon.flows.files import SUFFIXES
+from synch_fields.synch_addon.flows.files import SUFFIXES, can_export
 from synch_fields.synch_addon.flows.job import clebsch
 
+from ..scenes import grid
 from ..vortex_scenes import circle, write_npz
 
 
@@ -59,6 +60,7 @@ def test_tubes_go_out_and_come_back_by_blender(tmp_path):
     assert [obj for obj in bpy.data.objects if obj.select_get()] == chosen
     with pytest.raises(SettingError, match="a table has filaments: write tubes as"):
         api.filament_export(tubes, tmp_path / "tubes.csv")
+    assert [can_export(obj) for obj in (tubes, lines, None, grid())] == [True, True, False, False]
     places = np.array([vertex.co for vertex in tubes.data.vertices])
     for suffix in {".ply", ".abc"} & {*SUFFIXES}:
         read = bpy.ops.wm.ply_import if suffix == ".ply" else bpy.ops.wm.alembic_import

@@ -118,6 +118,7 @@ def test_the_modifier_is_one_of_ours_and_there_is_one_of_it():
     report = api.quads(obj, spacing=0.45)
     assert not any("before its modifiers" in warning for warning in report["warnings"])
     api.carry(obj)
-    assert [modifier.node_group.name for modifier in obj.modifiers] == ["Synch Quad Carry"]
+    (group,) = (modifier.node_group for modifier in obj.modifiers)
+    assert group.name == "Synch Quad Carry" and group.is_modifier
     before = snapshot()
     assert bpy.ops.synch.carry() == {"FINISHED"} and snapshot() == before

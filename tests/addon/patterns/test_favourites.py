@@ -110,6 +110,16 @@ def test_favourite_of_another_spacing_comes_back_with_it():
     assert agree(obj, before) and obj["synch_spacing"] == pytest.approx(0.4)
 
 
+def test_favourite_of_other_directions_is_no_variation_of_the_last_solve():
+    obj = grid()
+    api.stripes(obj, spacing=0.4)
+    before = pattern(obj)
+    favourites.keep(obj, "straight")
+    api.stripes(obj, spacing=0.4, angle=0.5)
+    favourites.show(obj, "straight")
+    assert agree(obj, before)
+
+
 def test_names_are_told_apart_and_attributes_are_removed():
     obj = solved("stripes")
     names = [favourites.keep(obj, "mine"), favourites.keep(obj, "mine"), favourites.keep(obj)]

@@ -9,7 +9,15 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.mesh_input import ObjectMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement import refine
-from synch_fields.core.refinement.spacing import EDGE_SHARE, QUADS, automatic_spacing, longest_edge, wished_spacing
+from synch_fields.core.refinement.spacing import (
+    EDGE_SHARE,
+    QUADS,
+    automatic_spacing,
+    finer_copy,
+    longest_edge,
+    wished_spacing,
+)
+from synch_fields.core.settings.surface import SurfaceSettings
 
 from ..meshes import icosphere
 
@@ -61,3 +69,14 @@ def test_only_where_the_spacing_is_small_edges_have_to_be_short():
     spacings = np.where(mesh.vertices[:, 2] > 0.995, 0.01, 1.0)
     assert longest_edge(mesh, spacings) is None
     assert longest_edge(mesh, np.full(mesh.vertex_count, 0.01)) is not None
+
+
+def test_directions_need_no_short_edges():
+    """A spacing makes the finer copy of stripes finer, and leaves that of directions as it is."""
+    mesh = icosphere(1)
+    read = ObjectMesh("mesh", mesh.vertices, Polygons.of_triangles(mesh), np.eye(3))
+    given, settings = read.surface(), SurfaceSettings(spacing=0.4)
+    directions, stripes = (
+        finer_copy(command, read, mesh.edges, given, settings) for command in ("directions", "stripes")
+    )
+    assert len(directions.vertices) == mesh.vertex_count < len(stripes.vertices)

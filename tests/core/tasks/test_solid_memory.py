@@ -19,7 +19,7 @@ from synch_fields.core.fields.layers import SolidTargetOneForm
 from synch_fields.core.geometry.filling.lengths import Lengths, Measures
 from synch_fields.core.memory import Room
 from synch_fields.core.solve import Options
-from synch_fields.core.tasks.solid_memory import layer_memory
+from synch_fields.core.tasks.solid_memory import is_searched, layer_memory
 from synch_fields.core.tasks.solids import FlushArea, SolidGuide, SolidRequest
 
 from ..geometry.filling.test_thin_walls import plate
@@ -39,6 +39,12 @@ def test_the_memory_is_estimated_for_any_triangles():
             needed, expected = layer_memory(measures, Lengths.of(measures, None, None))
             shares.append(expected / needed)
     assert len(shares) > 250 and min(shares) >= 1
+
+
+@pytest.mark.parametrize("is_axis", [False, True])
+@pytest.mark.parametrize("is_even", [False, True])
+def test_only_an_even_axis_with_one_area_at_most_is_integrated(is_axis, is_even):
+    assert [is_searched(is_axis, is_even, areas) for areas in range(3)] == [not (is_axis and is_even)] * 2 + [True]
 
 
 def plate_request():
