@@ -191,7 +191,7 @@ def test_a_bent_bar_fans_out_with_dislocations():
 
 
 def test_the_three_ways_agree(tmp_path):
-    settings = {"guidance": "axis:X", "groups": "Top=constant", "spacing": 0.375, "size": 0.125}
+    settings = {"guidance": "axis:X", "groups": "Top=constant", "spacing": 0.375, "size": 0.1875}
     places = []
     for way in ("api", "operator", "command line"):
         bpy.ops.wm.read_homefile(use_empty=True)

@@ -112,7 +112,7 @@ def test_fewer_moves_stay_near_the_bead_with_its_volume(axes):
     assert sum(states[k]["E"] for k in extruding) * np.pi == pytest.approx(volumes.sum(), abs=1e-4)
     passed = []
     for k in extruding:
-        for share in np.linspace(0, 1, 200):
+        for share in np.linspace(0, 1, 80):
             mixed = {a: (1 - share) * states[k - 1][a] + share * states[k][a] for a in states[k] if a in states[k - 1]
                      and a in "XYZABC"}  # fmt: skip
             passed.append(on_part(mixed, machine)[0])
