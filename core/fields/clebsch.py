@@ -59,7 +59,7 @@ def edge_integrals(grid: Grid | Surface, velocity: ArrayLike) -> np.ndarray:
 
 
 def _surface_integrals(mesh: TriangleMesh, velocity: np.ndarray) -> np.ndarray:
-    """The same on a surface, where an edge has known angles in the tangent planes of its ends."""
+    """(e,) integrals of (n, 3) velocities along a surface's edges, from the tangent planes at both ends."""
     if velocity.shape != mesh.vertices.shape:
         raise SettingError(
             f"velocities of the shape {velocity.shape} on {mesh.vertex_count} vertices: give three numbers a vertex"

@@ -101,7 +101,7 @@ class DirectionField:
 
     @property
     def without_solution(self) -> "DirectionField":
-        """The same directions without their problem and solution, which are large."""
+        """The directions without their problem and solution, which are large."""
         turn, correction, scale = self.turn, self.correction, self.scale
         return DirectionField(self.mesh, self.symmetry, self.angles, turn=turn, correction=correction, scale=scale)
 

@@ -170,8 +170,8 @@ def _near(pattern: Pattern, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _are_nearest_images(problem: SynchronizationProblem, distances: np.ndarray) -> np.ndarray:
-    """Of each phase and those joined to it the nearest one where a pattern is mirrored, otherwise the phases that are
-    not joined to others; (k n,) bool."""
+    """(k n,) bool: in a mirrored pattern the nearest phase of each group of joined ones, otherwise the phases that are
+    joined to no other."""
     merged, loops = problem.merged, np.equal(*problem.connection.edges.T)
     roots = np.arange(len(distances))
     roots[merged.nodes] = merged.roots

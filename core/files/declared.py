@@ -163,7 +163,7 @@ def _present(folder: str, stem: str, suffix: str) -> list[tuple[Hashable, ...]]:
 
 
 def _place(path: str) -> tuple[Hashable, ...]:
-    """The same for all names of a file: its numbers where it is there, else where it would be."""
+    """A key that all names of a file share: its inode if it exists, otherwise its resolved path."""
     with suppress(OSError):
         found = os.stat(path)
         return found.st_dev, found.st_ino
@@ -172,7 +172,7 @@ def _place(path: str) -> tuple[Hashable, ...]:
 
 
 def _names_below(folder: str, names: list[str]) -> tuple[Hashable, ...]:
-    """The numbers of the nearest folder that is there, and the names of what lies below it."""
+    """The inode of the nearest folder that exists, and the path below it."""
     while not os.path.isdir(folder) and os.path.dirname(folder) != folder:
         folder, above = os.path.split(folder)
         names = [above, *names]

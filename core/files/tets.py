@@ -106,7 +106,7 @@ def medit_sections(path: Path, content: bytes) -> dict[str, str]:
 
 
 def _read_medit(path: Path, content: bytes) -> _Read:
-    """What a MEDIT file holds, whose vertices count from 1, with the references of its triangles as "ref"."""
+    """Read a MEDIT file, whose vertices count from 1; references of its triangles become "ref"."""
     sections = medit_sections(path, content)
     if not sections.get("Vertices", "").strip():
         raise SettingError(f"{path} is not a MEDIT file: it lacks Vertices, export it again")

@@ -134,7 +134,7 @@ def _descends(corners: np.ndarray) -> np.ndarray:
 
 
 def find_duplicates(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
-    """Find the (p,) first of the chosen faces with exactly the vertices of each face; itself if there is none."""
+    """Find for each face the first chosen face with the same vertices, (p,); the face itself without one."""
     first = np.arange(len(polygons.starts))
     for size in np.unique(polygons.sizes):
         faces = np.flatnonzero(polygons.sizes == size)

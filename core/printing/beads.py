@@ -171,7 +171,7 @@ def _moved_apart(
 
 
 def without_straight_points(lines: Isolines, longest: float) -> Isolines:
-    """Lines without points on straight ways between others that are no farther apart than the longest."""
+    """Leave out points on straight parts of lines, so that those that stay are at most ``longest`` apart."""
     ways = lines.points[lines.next] - lines.points
     lengths = np.linalg.norm(ways, axis=1)
     units = unit_vectors(ways)
@@ -191,7 +191,7 @@ def _away(lines: Isolines, layers: np.ndarray, step: float, others: BeadDistance
 
 
 def _widths(lines: Isolines) -> np.ndarray:
-    """(l,) mean widths of what closed lines go around."""
+    """Compute (l,) mean widths inside closed lines: twice the area over the length."""
     points = lines.points
     crosses = np.cross(points - points[lines.starts][lines.numbers], points[lines.next] - points)
     return np.linalg.norm(sum_by(lines.numbers, crosses, len(lines.sizes)), axis=1) / np.maximum(
@@ -200,7 +200,7 @@ def _widths(lines: Isolines) -> np.ndarray:
 
 
 def _is_large(mesh: TriangleMesh, far: np.ndarray, bare: np.ndarray, area: float) -> np.ndarray:
-    """(n,) bool: vertices in pieces of those that are far with at least an area, or on layers that are bare."""
+    """(n,) bool: far vertices in connected pieces of at least an area, and those on bare layers."""
     inside = far[mesh.edges].all(axis=1)
     piece = components(mesh.vertex_count, mesh.edges[inside])
     return bare | (np.bincount(piece, mesh.vertex_masses)[piece] >= area)

@@ -57,12 +57,12 @@ class BeadDistances:
         self._tree = cKDTree(at, balanced_tree=False, compact_nodes=False) if len(points) else None
 
     def __call__(self, points: np.ndarray, layers: np.ndarray, within: float = np.inf) -> np.ndarray:
-        """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead, and from ``within`` on."""
+        """(n,) distances from (n, 3) points to beads of their (n,) layers; infinite if none is within reach."""
         own = self.nearest(points, layers, within)[0]
         return own if self._others is None else np.minimum(own, self._others(points, layers, within))
 
     def nearest(self, points: np.ndarray, layers: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-        """The same, and (n,) the piece that is nearest, -1 for none; infinite also from the distance ``within`` on."""
+        """Distances as of a call, without the other beads, and the (n,) nearest piece: -1 if none is within reach."""
         if self._tree is None or len(points) == 0:
             return np.full(len(points), np.inf), np.full(len(points), -1)
         places = np.column_stack([points, self._apart * layers])

@@ -94,7 +94,7 @@ def across(direction: np.ndarray) -> np.ndarray:
 
 
 def ways_out(solid: TetMesh, points: np.ndarray, direction: np.ndarray, flat: np.ndarray) -> np.ndarray:
-    """(n,) ways from points along a direction to the solid's boundary, infinite where there is none.
+    """(n,) distances from points along a direction to the solid's boundary, infinite where a ray misses it.
 
     ``flat`` is (2, 3), two unit vectors across the direction and each other.
     """

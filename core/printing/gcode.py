@@ -164,7 +164,7 @@ def _check_place(course: Course, machine: Machine) -> None:
 
 
 def _about_axes(places: np.ndarray, machine: Machine) -> Iterator[str]:
-    """Of a table that turns: axes that go farther than the bed, although the part lies on it."""
+    """Warn of a turning table's axes that go farther than the bed, although the part lies on it."""
     for axis, reached, bed in _beyond_bed(places, machine) if machine.turns else ():
         yield (
             f"with the table's tilt the axis {axis} goes from {reached} mm, and the bed from {bed}: "
@@ -227,7 +227,7 @@ def _with_skirt(course: Course, machine: Machine) -> tuple[Course, list[str]]:
 
 @dataclass(frozen=True)
 class _Moves:
-    """What a machine does along all beads.
+    """Moves of a machine along all beads.
 
     Attributes
     ----------

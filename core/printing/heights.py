@@ -31,7 +31,7 @@ _WIDER, _SIZES = 1e-6, 2.0
 
 @dataclass(frozen=True)
 class Below:
-    """What lies below places on layers.
+    """The layer or boundary below each of n places.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Below:
     layers: np.ndarray
 
     def at(self, points: np.ndarray) -> "Below":
-        """The same for some of the places."""
+        """Select some of the places."""
         return Below(self.heights[points], self.layers[points])
 
 

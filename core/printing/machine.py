@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a printer is, from one small file or from one of those that are shipped."""
+"""Description of a printer, read from a small file of the user or of the extension."""
 
 import math
 import re

@@ -66,11 +66,11 @@ def count_levels(order: np.ndarray, carried: np.ndarray, carrying: np.ndarray) -
 def order_lines(
     lines: Isolines, layers: np.ndarray, order: np.ndarray, back: np.ndarray | None = None
 ) -> tuple[Isolines, np.ndarray, np.ndarray]:
-    """Lines of (l,) layers in the order of these, each time the nearest next; closed ones begin, open ones end where it
-    suits.
+    """Sort lines by the order of their (l,) layers, in each layer the nearest next. Closed lines may begin anywhere,
+    open ones at either end.
 
-    Where a direction ``back`` is given, (3,), closed lines begin as far along it as they go. Returns the lines, (l,)
-    the given lines that they were, and (n,) the given points that they have.
+    With a (3,) direction ``back``, closed lines begin at their farthest point along it. Returns the lines, the (l,)
+    index of each in the given lines, and the (n,) index of each point in the given points.
     """
     starts, closed, places = lines.starts, lines.closed, lines.points
     here = None

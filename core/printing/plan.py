@@ -114,7 +114,7 @@ class PrintPlan:
 
     @cached_property
     def printed_volume(self) -> float:
-        """Of the beads, scene units."""
+        """Volume of the beads, scene units."""
         sections = self.widths * self.heights
         return float((self.lines.steps * (sections + sections[self.lines.next]) / 2).sum())
 

@@ -81,14 +81,16 @@ class Sheets:
         return self.of[corners]
 
     def below(self, points: np.ndarray, normals: np.ndarray, found: Below) -> np.ndarray:
-        """(n,) sheets that were found below points; OUTSIDE and NOTHING stay."""
+        """(n,) sheets below points; OUTSIDE and NOTHING stay."""
         feet = _feet(self.foot, self.apart, points, normals, found)
         return np.where(found.layers >= 0, self.of[feet], found.layers)
 
 
 def lie_upon_themselves(layers: np.ndarray, lower: np.ndarray, count: int) -> np.ndarray:
-    """(count,) bool: layers that lie upon themselves, or upon others that lie upon them, by (n,) layers of places and
-    what lies below these."""
+    """(count,) bool: whether each layer lies upon itself, directly or through other layers.
+
+    At each of n places, ``layers`` is the layer there and ``lower`` the one below.
+    """
     carried, carrying = carrying_pairs(layers, lower, count)
     graph = coo_matrix((np.ones(len(carried)), (carried, carrying)), shape=(count, count))
     group = connected_components(graph, connection="strong")[1]
@@ -98,7 +100,7 @@ def lie_upon_themselves(layers: np.ndarray, lower: np.ndarray, count: int) -> np
 
 
 def _feet(foot: cKDTree, apart: float, points: np.ndarray, normals: np.ndarray, found: Below) -> np.ndarray:
-    """(n,) the vertices that are nearest to where rays down from points end."""
+    """(n,) vertices of the layers nearest to the ends of rays down from points."""
     places = points - found.heights[:, None] * normals
     return foot.query(np.column_stack([places, apart * np.maximum(found.layers, 0)]))[1]
 

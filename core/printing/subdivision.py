@@ -12,9 +12,9 @@ _ROUNDS = 12
 
 
 def subdivide(mesh: TriangleMesh, size: float, most: int) -> tuple[TriangleMesh, np.ndarray]:
-    """The same surface with edges no longer than a size, as far as a number of triangles allows.
+    """Halve edges that are longer than a size, until a number of triangles is reached.
 
-    Its first vertices are the mesh's. Also returns (t,) the triangle of the mesh that each triangle is a part of.
+    Returns the finer mesh, whose first vertices are the given ones, and (t,) the given triangle that contains each.
     """
     parents = np.arange(mesh.triangle_count)
     for _ in range(_ROUNDS):
@@ -36,7 +36,7 @@ def subdivide_by(
     tolerance: float,
     most: int,
 ) -> tuple[TriangleMesh, np.ndarray, np.ndarray]:
-    """The same surface, cut where a function is not linear along edges.
+    """Halve edges along which a function is not linear.
 
     Parameters
     ----------

@@ -28,8 +28,8 @@ class ProgramWriter:
     def travel(
         self, place: np.ndarray, angles: np.ndarray, top: float, is_same_layer: bool, reach: float, clearance: float
     ) -> list[str]:
-        """To the begin of a bead: beside the last one, above it and what reaches over it by a clearance, or above all
-        that is printed where this is infinite."""
+        """Moves to the start of a bead: straight, above the last bead by the lift and a clearance, or above everything
+        printed so far if the clearance is infinite."""
         machine = self._machine
         if self._is_home:
             self._is_home = False
@@ -55,7 +55,7 @@ class ProgramWriter:
         return [*rows, *self._rapid(place + up, angles), *self._rapid(place, angles)]
 
     def start(self, kind: str) -> list[str]:
-        """What the bead is; filament that was drawn back comes again."""
+        """A comment with the kind of bead where it changes; pushes retracted filament back."""
         rows = [] if kind == self._kind else [f";TYPE:{kind}"]
         self._kind = kind
         return [*rows, *self._push()]

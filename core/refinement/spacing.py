@@ -164,7 +164,7 @@ def finer_copy(
 def _asked_edges(
     command: str, mesh: TriangleMesh, settings: SurfaceSettings, spacing: float, factors: float | np.ndarray
 ) -> tuple[float, float | np.ndarray, float | None]:
-    """What :func:`asked_spacings` and then :func:`longest_edge` return.
+    """Call :func:`asked_spacings`, then :func:`longest_edge`; returns the spacing, its map, and the longest edge.
 
     Far vertices are refused rather than a spacing that suits their distance.
     """

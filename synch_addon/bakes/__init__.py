@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a pattern shows, as images over a UV map."""
+"""Patterns as images over a UV map."""

@@ -22,7 +22,7 @@ _RELIEF_NODE, _RELIEF = "Relief", 0.05
 
 
 def file_name(settings, name, map_name):
-    """Of the file or image of a map of an object with this name, as :class:`BakeSettings` have it."""
+    """Name of the file or image of an object's map, by the naming of :class:`BakeSettings`."""
     stem = bpy.path.clean_name(settings.naming.format(object=name, map=map_name))
     return stem + SUFFIXES[settings.file_format]
 

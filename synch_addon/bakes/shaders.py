@@ -61,7 +61,7 @@ def glowing_pattern(materials, kind):
 
 
 def phase_channels(kind, is_signed):
-    """What red and green of the phase are."""
+    """What the red and green channels of the phase map contain, in words."""
     if kind == "quads":
         return "greater and lesser of cos(x) and cos(y)"
     return "cos(theta) and sin(theta)" if is_signed else "cos(theta) and |sin(theta)|"

@@ -24,7 +24,7 @@ class _Changes:
         self.handlers += [(event, self._forget) for event in (load_post, undo_post, redo_post)]
 
     def state(self, block):
-        """What is equal as long as a mesh or an object is the same and its shape has not changed."""
+        """A value that stays equal while a mesh or object is the same and keeps its shape."""
         return block.session_uid, self._steps, self._counts.get(block.session_uid, 0)
 
     @persistent

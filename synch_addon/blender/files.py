@@ -87,7 +87,7 @@ def open_input(path):
 
 
 def _reason(error):
-    """What an importer says in one line; of the traceback of one that is written in Python what it ends with."""
+    """An importer's error as one line: the last line of a Python traceback, or all lines joined."""
     lines = [line.strip() for line in operator_error(error).splitlines()]
     lines = [line for line in lines if line and not line.startswith("Location: ")]
     return lines[-1] if any("Traceback" in line for line in lines) else " ".join(lines)

@@ -96,7 +96,7 @@ def input_value(modifier, name):
 
 
 def input_property(modifier, name):
-    """What holds an input of a geometry nodes modifier, and the property of it that layouts draw."""
+    """Owner and name of the property that holds an input of a geometry nodes modifier, for layouts."""
     identifier = modifier.node_group.interface.items_tree[name].identifier
     if hasattr(modifier, "properties"):  # from Blender 5.2 on
         return getattr(modifier.properties.inputs, identifier), "value"

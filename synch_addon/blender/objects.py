@@ -64,7 +64,7 @@ class ObjectLink:
 
 @dataclass(frozen=True)
 class Selection:
-    """What was active when work began, so that its result takes nothing from a user who has gone on meanwhile.
+    """The active object when a job began: its result is selected only if the user has not selected another meanwhile.
 
     ``active``: number of the object, None where there was none.
     """
@@ -73,7 +73,7 @@ class Selection:
 
     @classmethod
     def now(cls):
-        """The present one."""
+        """The current active object."""
         active = bpy.context.view_layer.objects.active
         return cls(None if active is None else active.session_uid)
 

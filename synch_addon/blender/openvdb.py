@@ -24,5 +24,5 @@ def module_file():
 
 
 def openvdb_module():
-    """Blender's own OpenVDB module; SettingError where there is none."""
+    """Blender's own OpenVDB module; raises SettingError in Blenders without it."""
     return openvdb.openvdb_module(module_file())

@@ -52,7 +52,7 @@ def source_faces(obj):
 
 
 def shown_by(modifier):
-    """The object whose mesh a modifier shows, None where it was removed or is none of ours."""
+    """The object whose mesh a modifier shows; None if it was removed or is not one of the extension."""
     found = input_value(modifier, "Surface")
     return found if found is not None and SURFACE_MARK in found else None
 

@@ -44,7 +44,7 @@ class Attribute:
         return self.domain, self.data_type
 
     def in_favourite(self, number):
-        """What a favourite keeps of it."""
+        """The attribute in which a favourite keeps this one."""
         own = self.name.removeprefix(PREFIX).removeprefix("vertex_")
         return replace(self, name=f"{PREFIX}favourite_{number}_{own}")
 

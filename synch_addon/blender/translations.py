@@ -36,7 +36,7 @@ def translate_count(count, noun):
 
 
 def operator_error(error):
-    """What an operator of Blender has failed with: the error's text without "Error:" in the interface's language."""
+    """The text of an error of one of Blender's operators, without "Error:" in the interface's language."""
     return str(error).strip().removeprefix(f"{pgettext_rpt('Error')}: ").strip()
 
 

@@ -117,13 +117,13 @@ def _run(options, way, shared, progress):
 
 
 def _name(rows):
-    """What a batch is called, by its file or its pattern."""
+    """Name of a batch, from its file or its pattern."""
     name = re.sub(r"[^\w.-]+", "_", Path(rows).stem).strip("_.")
     return f"{name or 'rows'}.batch"
 
 
 def _command():
-    """What starts a warm process here."""
+    """The command that starts a warm process."""
     if bpy.app.module:
         return [sys.executable, *_SERVE]
     return [bpy.app.binary_path, "--background", "--command", "synch", "batch", "-"]
@@ -147,7 +147,7 @@ def serve(way):
 
 
 def _answer(task, way):
-    """What became of a task: nothing more to tell where it is done, else why not."""
+    """Do a task; returns {}, or why it failed."""
     try:
         here = versions()
         for name, wanted in task["versions"].items():

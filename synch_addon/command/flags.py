@@ -9,7 +9,7 @@ from ..blender import files
 
 
 class Made(NamedTuple):
-    """What a command has made.
+    """Results of a command.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the command ``layers`` writes besides: a mesh for each layer, tool paths and a volume."""
+"""Further outputs of the command ``layers``: a mesh for each layer, tool paths and a volume."""
 
 import math
 
@@ -76,8 +76,8 @@ def heights_of(options):
 
 
 def write(options, obj):
-    """Write what is asked for of an object's layers; returns the files, warnings, lines to print and what is told of
-    the paths."""
+    """Write the outputs of an object's layers; returns the files, warnings, lines to print and the report of the
+    paths."""
     reports, lines, facts = [], [], None
     if options.export_layers:
         reports.append(api.layer_export(obj, options.export_layers))

@@ -136,7 +136,7 @@ def _parse_row(parser, arguments):
 
 
 def _check_files(options):
-    """Refuse files that would overwrite one another, and inputs that are no files; a batch looks at its own itself."""
+    """Refuse files that would overwrite one another, and devices as inputs; a batch checks its own files."""
     if options.command != "batch":
         declared = declared_files(options)
         check_clashes(declared)
@@ -144,7 +144,7 @@ def _check_files(options):
 
 
 def _reason(error):
-    """What went wrong, in one line."""
+    """An error as one line."""
     if isinstance(error, SynchError):
         return str(error)
     if isinstance(error, MemoryError):
@@ -155,9 +155,9 @@ def _reason(error):
 
 
 def _report_error(options, declared, error):
-    """What went wrong, which the report tells, too, where one is asked for.
+    """Write an error into the report, if one is asked for, and return it as one line.
 
-    Where a file could not be written, older ones stay, an older report among them.
+    If a file could not be written, older files stay, including an older report.
     """
     line = _reason(error)
     path = getattr(options, "report", None)
@@ -186,7 +186,7 @@ def _write_outputs(made, options, progress):
 
 
 def _lines(made):
-    """What is printed of what was made."""
+    """The lines that a command prints about its results."""
     warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
     return map(one_line, [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)])
 
@@ -292,7 +292,7 @@ def _parser(loaded):
 
 
 class _BlenderCommand:
-    """What Blender calls for ``--command synch``."""
+    """The command that Blender runs for ``--command synch``."""
 
     def __init__(self):
         self._handle = None

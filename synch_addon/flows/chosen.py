@@ -20,7 +20,7 @@ from .sources import flow_source
 
 
 class Expected(NamedTuple):
-    """What a solve will take: nodes along the axes of its grid, or vertices of its surface; seconds of one core; and
+    """Expected cost of a solve: nodes along the axes of its grid, or vertices of its surface; seconds of one core; and
     megabytes, None for a surface."""
 
     shape: tuple[int, ...]
@@ -29,10 +29,9 @@ class Expected(NamedTuple):
 
 
 def flow_of(context, filepath):
-    """What vortices are shown of: a file, the active volume, or what is selected; of filaments and tubes that were
-    made of a flow, what they were made of.
+    """The chosen flow: a file, the active volume, the selected objects, or the source of selected filaments and tubes.
 
-    Raises SynchError when there is none of these.
+    Raises SynchError if none of these is chosen.
     """
     if filepath:
         return bpy.path.abspath(filepath)
@@ -98,5 +97,5 @@ def _object_box(objects):
 
 @lru_cache(maxsize=16)
 def _header(path, attribute, module, _changed):
-    """What the header of a file tells, as :meth:`VolumeFile.header`."""
+    """The header of a file, as :meth:`VolumeFile.header`, read once for each change of the file."""
     return VolumeFile(path, np.eye(4), path.name, attribute, module).header()

@@ -34,7 +34,7 @@ class SolvedFlow:
 
 @dataclass(frozen=True)
 class Filled:
-    """What objects show now.
+    """Result of filling the objects of a flow.
 
     Attributes
     ----------
@@ -49,8 +49,8 @@ class Filled:
 
 
 class _Flows:
-    """Of objects that show the vortices of a flow, the solves of the latest ones, a kilobyte a node each, and those of
-    all frames of the latest sequence."""
+    """Solves of the latest objects that show vortices, about a kilobyte a node each, and of all frames of the latest
+    sequence."""
 
     def __init__(self):
         self._single, self._frames = ObjectCache(4), ObjectCache(MOST_FRAMES)
@@ -60,7 +60,7 @@ class _Flows:
         self._shelf(solved.settings.frames is not None).put(obj, solved)
 
     def get(self, obj):
-        """The :class:`SolvedFlow` of an object; SynchError where there is none."""
+        """The :class:`SolvedFlow` of an object; raises SynchError without one."""
         return self._shelf(self._frames.holds(obj)).get(obj)
 
     def holds(self, obj):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is shown of a solved flow: filaments as a curve object, tubes as a mesh coloured by the sphere."""
+"""Objects of a solved flow: filaments as a curve, tubes as a mesh coloured by the sphere."""
 
 import math
 
@@ -83,7 +83,7 @@ def fill(result, _settings, objects):
 
 
 def facts(shown):
-    """What a report says about the filaments and the tubes."""
+    """Entries of a report about the filaments and the tubes."""
     result = {}
     if shown.lines is not None:
         result["filaments"] = [
@@ -109,7 +109,7 @@ def facts(shown):
 
 
 def linking_facts(winding):
-    """What a report says of a :class:`Linked`, or of none."""
+    """Entries of a report about a :class:`Linked`; {} for None."""
     if winding is None:
         return {}
     return {

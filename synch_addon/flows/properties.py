@@ -72,7 +72,7 @@ def _show(look, _context):
 
 
 class SynchVortexLook(bpy.types.PropertyGroup):
-    """What an object shows of its solve, and what was found; a slider shows it at once, without a solve."""
+    """How an object shows its solve; sliders change it at once, without a solve."""
 
     point: FloatVectorProperty(
         name="Point",
@@ -103,7 +103,7 @@ class SynchVortexLook(bpy.types.PropertyGroup):
 
     @property
     def figures(self):
-        """What was found, {} where nothing was, or where it cannot be read."""
+        """The stored result; {} without one, and if it cannot be read."""
         try:
             return read_kept_dict(self.result, f"what {self.id_data.name} keeps", VALUES)
         except SynchError:

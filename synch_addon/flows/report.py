@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the report, the panel and the command line say of a solved flow."""
+"""Reports of solved flows, for the panel and the command line."""
 
 from dataclasses import asdict, replace
 
@@ -66,7 +66,7 @@ def _of_grid(source, made, grid, quantum):
 
 
 def result_line(report):
-    """What the panel shows of a report, as JSON."""
+    """The part of a report that the panel shows, as JSON."""
     names = ("energy", "gap", "certificate", "status", "nodes", "quantum", "vorticity_share")
     line = {name: report[name] for name in names} | {"seconds": report["times"]["total"]}
     line["look"] = {name: report["settings"][name] for name in ("point", "opening", "smoothing")}

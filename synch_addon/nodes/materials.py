@@ -22,7 +22,7 @@ SPACING = "synch_spacing"
 
 
 class _Kind(NamedTuple):
-    """What shows a kind of pattern: the name of its node group and material, and the height of its relief.
+    """How a kind of pattern is shown: the name of its node group and material, and the height of its relief.
 
     The relief is given in spacings: enough for light to catch, too little to look carved.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the curves look like that settings speak of: it tells whether a pattern follows them as they are now."""
+"""State of the curves that settings name: compared to see whether a pattern still follows them."""
 
 import hashlib
 
@@ -17,10 +17,10 @@ _digests = LruCache(64)
 
 
 def curves_read(obj, settings):
-    """For each curve object that settings of a mesh object speak of, what is equal as long as it looks the same.
+    """The curve objects that settings of a mesh object name, as a value that is equal while they look the same.
 
-    ``settings``: SurfaceSettings, with the constraint list. Returns tuple of (name, digest of its lines, its transform
-    in the space of the mesh object).
+    ``settings``: SurfaceSettings, with the constraint list. Returns a tuple of (name, digest of the lines, transform in
+    the space of the mesh object).
     """
     names = {row.name for row in settings.constraints if row.where == "curve"}
     names |= {source.name for source in settings.sources if source.kind in ("distance", "offset")}

@@ -13,7 +13,7 @@ def frame_layout(kind):
 
 
 def frame_name(name, frame):
-    """What an attribute is called in a frame."""
+    """Name of an attribute in a frame."""
     return f"{name}.{frame}"
 
 

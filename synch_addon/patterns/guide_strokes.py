@@ -43,7 +43,7 @@ class Stroke(NamedTuple):
 
     @property
     def key(self):
-        """What tells it apart from others of its object."""
+        """The key of a stroke among those of its object."""
         return self.curve, self.number
 
 
@@ -53,7 +53,7 @@ def strokes_of(obj):
 
 
 def state_of(obj):
-    """What is equal as long as an object's strokes have not changed, as far as Blender has told."""
+    """A value that stays equal until Blender reports a change of an object's strokes."""
     return tuple((row.what, changes.state(row.curve), _to_owner(row.curve).freeze()) for row in _rows(obj))
 
 

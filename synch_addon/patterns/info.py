@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a mesh is and what it can carry."""
+"""Facts about a mesh and the spacings that it can carry."""
 
 import numpy as np
 

@@ -135,7 +135,7 @@ def _report(made, lines, length, settings):
 
 
 def summary_line(report):
-    """What a person wants to read of the report."""
+    """Summarize a report in one line."""
     at = {"boundary": "on the boundary", "dislocation": "at dislocations", "disclination": "at disclinations"}
     ends = [f"{count} {at[end]}" for end, count in report["ends"].items() if count]
     lines = f"{report['object']}: {count_text(report['lines'], 'line')}, {report['length']:.4g} long in all"

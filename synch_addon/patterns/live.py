@@ -54,9 +54,9 @@ class LiveJob:
     shown : :class:`memory.Solved` that it shows
     followers : of the directions and of the pattern
     instead : whether the result is kept instead of what is shown
-    is_painted : whether maps may be other ones than those that were read for what is shown
+    is_painted : whether painted maps may have changed since the shown pattern read them
     settles : as of :class:`LiveRequest`
-    turned_only : of what settles, whether directions have only been turned since the last solve
+    turned_only : when the pattern settles, whether directions have only been turned since the last solve
     """
 
     def __init__(self, obj, settings, shown, followers, instead, is_painted=False, settles="", turned_only=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a quad mesh was made of: digests of all that its solve reads from its source, besides settings.
+"""Sources of quad meshes: digests of everything that a solve reads from the source object, besides settings.
 
 They are only read, so that a panel may ask for them while it is drawn.
 """
@@ -28,20 +28,20 @@ _changed = LruCache(8)
 
 
 def made_from(obj, settings, reads_modifiers):
-    """What a solve on an object in object mode reads, as a line: digests of its mesh, of what its modifiers make of it,
-    and of what settings name.
+    """Digests, as one line of text, of what a solve on an object in object mode reads: its mesh, the result of its
+    modifiers, and what settings name.
 
     Parameters
     ----------
     settings : SurfaceSettings, with the constraint list
-    reads_modifiers : whether the object's own faces are not what is solved on
+    reads_modifiers : whether the solve is on the result of the modifiers
     """
     seen = _seen(obj, settings.surface) if reads_modifiers else _UNREAD
     return f"{_of_mesh(obj.data, meshes.measured_places(obj))} {seen} {_named(obj, settings)}"
 
 
 def has_changed(made, source):
-    """Whether the source of a quad mesh, in object mode, is not what it was made of; looked at again after a change."""
+    """Whether the source of a quad mesh, in object mode, has changed since the mesh was made from it."""
     try:
         settings = settings_for("quad_mesh", source, stored_settings(made))
         read = settings, curves_read(source, settings), _files(settings)
@@ -131,7 +131,7 @@ def _files(settings):
 
 
 def _file(path):
-    """When a file was changed, and its size; "" where there is none."""
+    """Time of change and size of a file; "" if it does not exist."""
     try:
         found = os.stat(bpy.path.abspath(path))
     except OSError:

@@ -42,12 +42,12 @@ _seen = LruCache(16)
 
 @dataclass(frozen=True)
 class MeshDetail:
-    """What a mesh can carry, in scene units.
+    """Size of a mesh and the finest spacings that it can carry, in scene units.
 
     Attributes
     ----------
-    spacing : the finest one, with what the spacing map does to it
-    finest : the same without the map
+    spacing : the finest one with the spacing map
+    finest : the finest one without the map
     size : longest side of the object
     area : of its faces
     """
@@ -263,7 +263,7 @@ def _sample(data):
 
 
 def _factors(obj, vertices):
-    """What the spacing map multiplies the spacing by at some vertices, 1 where it is of no use."""
+    """Factors of the spacing map at some vertices; 1 where it cannot be used."""
     name, data = obj.synch.spacing_map, obj.data
     if name and groups.is_group(obj, name):
         index = obj.vertex_groups[name].index

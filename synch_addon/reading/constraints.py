@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the constraint list asks, read from an object: edges that are cut, and rows along lines of its mesh."""
+"""The constraint list of an object: edges that are cut, and rows along lines of its mesh."""
 
 from dataclasses import replace
 

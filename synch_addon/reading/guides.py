@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What guides of directions need, read from an object."""
+"""Guides of directions, read from an object."""
 
 from functools import partial
 

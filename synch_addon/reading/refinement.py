@@ -24,7 +24,7 @@ class Refinement:
     Attributes
     ----------
     bound : BoundSurface of the object's mesh, or of what its modifiers make of it
-    is_seen : whether it is of that
+    is_seen : whether it is of the result of modifiers
     state : hash of the object's own mesh, see :func:`state_of`
     topology : hash of the mesh that it is bound to, without places, see :func:`_topology_of`
     mirror : axes of the pattern's mirror: those asked for, or where a quad mesh has none, those of modifiers
@@ -38,7 +38,7 @@ class Refinement:
 
     @property
     def figures(self):
-        """What a report says of it."""
+        """Entries of a report about the surface."""
         bound = self.bound
         of = "modifiers" if self.is_seen else "mesh"
         return {"of": of, "vertices": len(bound.vertices), "faces": len(bound.starts), "joined": bound.welded}

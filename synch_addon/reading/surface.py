@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run is asked: everything that is read from the scene before anything is solved."""
+"""Requests of fields on surfaces: everything that is read from the scene before a solve."""
 
 from dataclasses import replace
 

@@ -79,7 +79,7 @@ class SynchConstraint(bpy.types.PropertyGroup):
 
     @property
     def possible(self):
-        """What can be asked for where the row is."""
+        """Conditions that the place of the row allows."""
         return [what.upper() for what in wishes_at(self.where.lower())]
 
     @property

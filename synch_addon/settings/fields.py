@@ -73,14 +73,14 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
 
 
 def source_of(obj):
-    """The object of the scene that a quad mesh was made of, None where there is none, or where something else is to be
-    made of the quad mesh itself."""
+    """The object of the scene that a quad mesh was made of; None without one, and if the panel is set to make something
+    other than quad meshes."""
     source = obj.synch.source if obj.synch_simple.kind == "quad_mesh" else None
     return source if source is not None and bpy.context.scene in source.users_scene else None
 
 
 def original_of(obj):
-    """The object whose directions count: of a quad mesh its source."""
+    """The object whose directions are used: the source of a quad mesh, otherwise the object itself."""
     return source_of(obj) or obj
 
 
@@ -104,8 +104,8 @@ def plain(properties, spacing, guidance=None):
 
 
 def mesh_values(settings, spacing):
-    """What a quad mesh keeps of the :class:`SurfaceSettings` that it was made with and of the spacing that it has, by
-    the names of the properties."""
+    """Properties of a quad mesh, by name: those of the :class:`SurfaceSettings` that it was made with, and its
+    spacing."""
     names = [name for name in PROPERTY_NAMES if "quad_mesh" in RECORDS[name].commands]
     values = values_of(settings, [name for name in names if name not in ("spacing", "mirror")])
     values = {MESH_NAMES.get(name, name): value for name, value in values.items()}

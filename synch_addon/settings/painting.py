@@ -27,11 +27,11 @@ class PaintedMap(NamedTuple):
     group: str
 
     def of(self, obj):
-        """What an object's map is called, "" for none."""
+        """Name of an object's map; "" without one."""
         return getattr(getattr(obj, self.settings), self.name)
 
     def full_of(self, obj):
-        """What a weight of 1 stands for on an object."""
+        """The value that a weight of 1 stands for on an object."""
         return getattr(getattr(obj, self.settings), self.full)
 
 
@@ -49,7 +49,7 @@ def painted_map(obj):
 
 
 def _brush():
-    """What holds the weight that is painted: the brush, or what all brushes share."""
+    """The settings that hold the painted weight: the brush, or those shared by all brushes."""
     tools = bpy.context.tool_settings
     paint = tools.weight_paint
     shared = getattr(paint, "unified_paint_settings", None) or tools.unified_paint_settings  # moved in Blender 5.0
@@ -61,7 +61,7 @@ def _paint(weight):
 
 
 def _full():
-    """What a weight of 1 stands for where something is painted."""
+    """The value that a weight of 1 stands for in the map being painted."""
     obj = bpy.context.active_object
     return MAPS[painted_map(obj) or "SPACING"].full_of(obj)
 
@@ -85,7 +85,7 @@ def _set_angle(_group, angle):
 
 
 class SynchBrush(bpy.types.PropertyGroup):
-    """What the brush of weight paint mode paints into a map, in its units."""
+    """The value that the brush of weight paint mode paints, in the units of the map."""
 
     factor: property_of(
         SurfaceSettings,

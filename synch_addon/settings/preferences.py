@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is set once for all files, in Preferences > Add-ons."""
+"""Settings for all files, in Preferences > Add-ons."""
 
 from pathlib import Path
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the strokes ask for that are drawn next, kept with the scene."""
+"""Settings of the next strokes, kept with the scene."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
@@ -14,7 +14,7 @@ _WISHES = (
 
 
 class SynchStrokes(bpy.types.PropertyGroup):
-    """What the next stroke asks for."""
+    """Settings of the next stroke."""
 
     wish: EnumProperty(name="Ask For", description="What the next stroke asks for", items=_WISHES)
     soft: BoolProperty(
@@ -30,7 +30,7 @@ class SynchStrokes(bpy.types.PropertyGroup):
 
     @property
     def weight(self):
-        """Of the constraint that the next stroke becomes: None for one that is held exactly."""
+        """Weight of the next stroke's constraint; None for one that is met exactly."""
         return self.strength if self.soft else None
 
 

@@ -39,7 +39,7 @@ def suggest_groups(properties, _context, _text):
 
 
 def suggest_solid_origins(properties, context, text):
-    """The same, and the other meshes of the scene."""
+    """Vertex groups of the object, its boundary, and the other meshes of the scene."""
     own = properties.id_data
     meshes = [obj.name for obj in context.scene.objects if obj.type == "MESH" and obj != own]
     return [*suggest_groups(properties, context, text), *meshes]

@@ -68,7 +68,7 @@ def _add_attribute(data, name, values):
 
 
 def _values(plan):
-    """What the beads have at the lines' points, by the names of the attributes."""
+    """Attributes of beads by name: their values at the lines' points."""
     seconds, speeds = print_times(plan.course, plan.machine)
     layers, scale = plan.layers[plan.lines.numbers], plan.machine.scale
     printed = seconds / max(seconds[-1], np.finfo(float).tiny)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is made of layers to print: a mesh file for each layer, and paths for a tool as curves and as a file."""
+"""Layers as files for printing: a mesh for each layer, and tool paths as curves and as a file."""
 
 import re
 from contextlib import contextmanager

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What layers follow, read from the scene: functions of the filled surface that are called when the solid is there."""
+"""Guides of layers, read from the scene: functions of the filled surface, called once the solid exists."""
 
 from dataclasses import replace
 from functools import partial

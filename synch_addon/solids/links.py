@@ -23,7 +23,7 @@ def solid_of(obj):
 
 
 def made_of(obj, kind):
-    """What an earlier run has made of a kind for an object, where it is still there."""
+    """The object of a kind that an earlier run has made for an object; None if it was removed."""
     made = obj.get(MADE[kind]) if obj is not None else None
     is_there = isinstance(made, bpy.types.Object) and made.users_collection and made.get(SOLID) == obj
     return made if is_there else None

@@ -33,7 +33,7 @@ def remember_layers(obj, given, layering):
 def recall_layers(obj) -> Layering:
     """The :class:`Layering` that the layers of an object show, where these layers are now.
 
-    Raises SynchError where there is none, or the mesh has changed since.
+    Raises SynchError if it is no longer in memory or the mesh has changed since.
     """
     made = made_of(obj, "layers")
     if not holds_layers(obj):
@@ -46,7 +46,7 @@ def recall_layers(obj) -> Layering:
 
 
 def holds_layers(obj):
-    """Whether there is a :class:`Layering` of the layers that an object has, be its mesh changed or not."""
+    """Whether the :class:`Layering` of an object's layers is in memory, even if its mesh has changed since."""
     made = made_of(obj, "layers")
     return made is not None and _solids.get(made.get(RUN)) is not None
 

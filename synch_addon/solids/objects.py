@@ -161,7 +161,7 @@ def place_object(obj, kind, name, data, matrix):
 
 
 def _all_made(obj):
-    """What earlier runs have made for an object."""
+    """Objects that earlier runs have made for an object."""
     return [made for kind in MADE if (made := made_of(obj, kind)) is not None]
 
 

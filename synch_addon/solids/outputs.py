@@ -100,7 +100,7 @@ def layer_volume(obj: bpy.types.Object, path: str | PathLike[str], resolution: i
 
 
 class _OutputJob:
-    """What is made of the last layers of an object as objects and in a file; see :mod:`..jobs.job`."""
+    """An output of an object's last layers, as objects and as a file; see :mod:`..jobs.job`."""
 
     def __init__(self, obj):
         obj = _solid(obj)

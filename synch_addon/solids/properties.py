@@ -27,7 +27,7 @@ LayerProperties = properties_of(LayerSettings, LAYER_NAMES)
 
 
 class SynchFlush(bpy.types.PropertyGroup):
-    """What is asked of the layers on a part of the surface."""
+    """A condition on the layers at a part of the surface."""
 
     group: StringProperty(
         name="Group", description="Vertex group, or the word boundary", default=BOUNDARY, search=suggest_groups

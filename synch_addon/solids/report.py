@@ -154,7 +154,7 @@ def _about_print(facts, step, has_contours):
 
 
 def print_line(report):
-    """What a person wants to read of printed paths."""
+    """Summarize printed paths in one line."""
     heights, tilts, volume, infill = report["heights"], report["tilts"], report["volume"], report["machine"]["infill"]
     filled = f"cover {report['covered']:.1%} of the layers" if infill == 1 else f"{infill:.0%} between walls and skins"
     return (
@@ -166,7 +166,7 @@ def print_line(report):
 
 
 def program_line(report):
-    """What a person wants to read of a program."""
+    """Summarize a program in one line."""
     program, five = report["program"], report["machine"]["axes"] != "xyz"
     minutes = round(program["seconds"] / 60)
     section = math.pi * report["machine"]["filament"] ** 2 / 4
@@ -183,7 +183,7 @@ def program_line(report):
 
 
 def headline(report):
-    """What the status bar says after a run."""
+    """The line of the status bar after a run."""
     curves = count_text(len(report["dislocation_curves"]), "dislocation curve")
     return f"{count_text(report['layers'], 'layer')}, {_spread(report['spacings'])}, {curves}"
 

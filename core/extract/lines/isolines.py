@@ -31,7 +31,7 @@ _SPECK = 1e-4
 
 
 class End(IntEnum):
-    """What is at the end of a line."""
+    """How a line ends."""
 
     CLOSED = 0
     BOUNDARY = 1

@@ -163,7 +163,7 @@ def puncture_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
 
 
 def _triangle_places(found: ClebschMap, faces: np.ndarray) -> np.ndarray:
-    """The same in triangles, where the circulation asked for is subtracted from the edges in equal parts."""
+    """Places of filaments in triangles, after subtracting the circulation asked for from the edges in equal parts."""
     grid = found.grid
     asked = TURN / found.quantum * grid.face_signs[faces] * found.integrals[grid.face_edges[faces]]
     asked = asked - asked.mean(axis=1, keepdims=True)

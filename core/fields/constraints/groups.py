@@ -18,7 +18,7 @@ TOLERANCE = 1e-4
 
 
 class OneForm(Protocol):
-    """What constraints need of a :class:`core.fields.target_one_form.TargetOneForm`, which describes it."""
+    """The part of a :class:`core.fields.target_one_form.TargetOneForm` that constraints use."""
 
     @property
     def mesh(self) -> TriangleMesh: ...

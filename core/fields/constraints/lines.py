@@ -64,7 +64,7 @@ class Line:
 
     @property
     def pieces(self) -> np.ndarray:
-        """(k,) label of the connected piece of the line that each of the nodes is on."""
+        """(k,) label of the connected piece of the line that contains each node."""
         nodes = self.nodes
         return components(len(nodes), np.searchsorted(nodes, self.links))
 

@@ -35,7 +35,7 @@ _NEAR, _BATCH = 24, 20_000
 
 
 def along_axis(axis: ArrayLike, filled: "FilledSurface") -> np.ndarray:
-    """The same direction everywhere, (3,)."""
+    """A constant direction, (3,)."""
     return axis_directions(filled.solid, axis)
 
 
@@ -78,7 +78,7 @@ def of_given_vectors(given: "SolidVectors", stretch: np.ndarray, filled: "Filled
 
 
 def of_given_lines(given: "SolidVectors", stretch: np.ndarray, filled: "FilledSurface") -> np.ndarray:
-    """The same for vectors without a sign, such as principal stresses."""
+    """Vectors of a file that have no sign, such as principal stresses, mapped by a (3, 3) matrix and oriented alike."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
     values = line_matrices(given.values @ stretch.T)
     values = values if given.at_vertices else mesh.at_vertices(values)

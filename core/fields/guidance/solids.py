@@ -44,7 +44,7 @@ def gradient_vectors(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
 
 
 def axis_directions(mesh: TetMesh, axis: ArrayLike) -> np.ndarray:
-    """The same direction everywhere, (3,) of any length but zero."""
+    """A constant direction, (3,) of any length but zero."""
     axis = checked_axis(axis)
     return np.tile(axis / np.linalg.norm(axis), (mesh.vertex_count, 1))
 
@@ -74,9 +74,9 @@ def check_vectors(mesh: TetMesh, vectors: ArrayLike) -> np.ndarray:
 
 
 def curve_vectors(mesh: TetMesh, curves: Sequence[ArrayLike], across: bool = False) -> np.ndarray:
-    """Along (k, 3) polylines, so that layers cross them, or away from them, so that layers lie around them like skins.
+    """Directions along (k, 3) polylines, which layers then cross, or away from them, so that layers wrap around them.
 
-    Every vertex gets the direction of the curve at the nearest point of any, or the direction straight away from it.
+    Every vertex gets the tangent at the nearest point of any curve, or the direction straight away from that point.
 
     Raises :class:`SettingError` for no curves, other shapes, and curves without length or far too long for the mesh.
     """

@@ -145,7 +145,7 @@ class Lengths(NamedTuple):
         return lengths
 
     def _wider(self, distance: SurfaceDistance | Measures, size: float, edges: float, lowest: float) -> Iterator[str]:
-        """What tetrahedra of a size could carry instead, at so many edges in a period, in words."""
+        """Remedies, in words: divisions or a spacing that tetrahedra of a size carry with so many edges in a period."""
         divisions = math.ceil(edges * size / (self.spacing * lowest))
         divisions += self.spacing * divisions * lowest < edges * size
         yield f"{divisions} divisions"
