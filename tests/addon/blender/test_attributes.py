@@ -39,6 +39,9 @@ def test_stripes_write_phases_that_start_within_a_turn_and_vertices_carry_the_pa
     assert STRIPE_ATTRIBUTES.items() <= found.items() <= (STRIPE_ATTRIBUTES | OPTIONAL).items()
     for name in found:
         assert np.isfinite(attribute(obj, name)).all(), name
+    (slot,) = obj.material_slots
+    groups = [n.node_tree.name for n in slot.material.node_tree.nodes if n.bl_idname == "ShaderNodeGroup"]
+    assert groups == ["Synch Stripes"]
     phase, pattern = attribute(obj, "synch_phase"), attribute(obj, "synch_pattern")
     singular = attribute(obj, "synch_index") != 0
     for name in {"synch_index_2", "synch_disclination"} & set(written(obj)):
@@ -145,25 +148,9 @@ def test_another_spacing_leaves_no_trace_of_the_first():
     assert index.sum() <= len(empties(obj, "dislocation"))
 
 
-def test_stripes_are_shown_by_a_material():
-    obj = sphere()
-    bpy.ops.synch.stripes(spacing=0.3)
-    (slot,) = obj.material_slots
-    groups = [n.node_tree.name for n in slot.material.node_tree.nodes if n.bl_idname == "ShaderNodeGroup"]
-    assert groups == ["Synch Stripes"]
-
-
 def test_spacing_property_tells_the_automatic_choice():
     obj = sphere()
     bpy.ops.synch.stripes()
     phases = attribute(obj, "synch_phase").copy()
     bpy.ops.synch.stripes(spacing=obj["synch_spacing"])
     np.testing.assert_allclose(np.cos(attribute(obj, "synch_phase")), np.cos(phases), atol=1e-3)
-
-
-@pytest.mark.parametrize("method", ["SDP", "SPECTRAL", "DIFFUSION"])
-def test_every_method_gives_stripes(method):
-    obj = sphere()
-    assert bpy.ops.synch.stripes(method=method, spacing=0.4) == {"FINISHED"}
-    assert set(STRIPE_ATTRIBUTES) <= set(written(obj))
-    assert sum(Fraction(e["synch_index"]) for e in empties(obj, "disclination")) == 2
