@@ -21,7 +21,6 @@ from ..scenes import (
     grid,
     make_active,
     places,
-    save_and_reopen,
     snapshot,
     sphere,
 )
@@ -129,14 +128,6 @@ def test_the_greyed_button_says_why(operator, tmp_path):
     assert "is linked: make it local" in reason()
 
 
-def test_settings_of_quads_are_kept_in_the_file(tmp_path):
-    obj = sphere()
-    assert (obj.synch.aspect, obj.synch.smoothing) == (1.0, 10)
-    obj.synch.aspect, obj.synch.smoothing = 1.5, 7
-    obj = save_and_reopen(tmp_path / "kept.blend", obj.name)
-    assert (obj.synch.aspect, obj.synch.smoothing) == (1.5, 7)
-
-
 def test_warnings_of_a_quad_mesh_speak_of_what_it_does():
     obj = furnished()
     obj.modifiers.new("Rounder", "SUBSURF")
@@ -144,9 +135,6 @@ def test_warnings_of_a_quad_mesh_speak_of_what_it_does():
     said = " ".join(report["warnings"])
     assert "Rounder" in said and "stripes" not in said
     assert "get the pattern" not in said, "the mesh that others share is left alone"
-
-
-# In the background
 
 
 # The command line

@@ -10,19 +10,18 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import SynchError
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.operators.quads import SYNCH_OT_quad_mesh, SYNCH_OT_quads
-from synch_fields.synch_addon.patterns import favourites, memory
+from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.patterns.read_back import read_back
 
 from ..moving_meshes import moving, stored_frames, swaying, turned
 from ..run_commands import run
-from ..scenes import add_group, attribute, bent, empties, grid, quad_sphere, sphere
+from ..scenes import add_group, attribute, bent, grid, quad_sphere, sphere
 
 
 def hills():
@@ -155,23 +154,6 @@ def test_the_command_line_has_them(tmp_path, capfd):
     assert status == 2 and "unrecognized arguments: --branching" in err
 
 
-@pytest.mark.parametrize("name", ["branching", "singularities"])
-def test_what_is_no_share_is_refused_in_one_line(name):
-    obj = sphere()
-    for value in (-0.1, 1.5, float("nan"), "0.5", [0.5]):
-        with pytest.raises(SynchError, match=f"{name} is .*: give a (share from 0 to 1|(finite )?number)$"):
-            api.stripes(obj, **{name: value})
-    assert not obj.data.attributes.get("synch_phase")
-
-
-def test_the_command_line_refuses_what_is_no_share(tmp_path, capfd):
-    sphere()
-    path = tmp_path / "ball.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
-    status, _, err = run(capfd, "stripes", path, "--branching", 30, "--quiet")
-    assert status == 1 and "branching is 30.0: give a share from 0 to 1" in err
-
-
 # Frames
 
 
@@ -254,18 +236,6 @@ def test_settings_without_them_are_those_of_before():
         settings, *_, pattern = read_back(obj, json.dumps(result))
     assert (settings.branching, settings.singularities) == (1, 1)
     assert dislocations(pattern) == before
-
-
-@pytest.mark.parametrize("command", ["stripes", "quads"])
-def test_a_favourite_of_another_branching_comes_back_with_it(command):
-    obj = hills()
-    solve = getattr(api, command)
-    solve(obj, spacing=0.2, branching=0.0)
-    favourites.keep(obj, "calm")
-    solve(obj, spacing=0.2)
-    assert empties(obj, "dislocation")
-    favourites.show(obj, "calm")
-    assert empties(obj, "dislocation") == [] and json.loads(obj.synch.result)["settings"]["branching"] == 0
 
 
 # How even it is

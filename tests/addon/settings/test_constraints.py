@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every row of the constraint list on shapes whose pattern is known in closed form."""
 
-from itertools import pairwise, product
+from itertools import product
 
 import bpy
 import numpy as np
@@ -13,13 +13,11 @@ from synch_fields.synch_addon import api
 from ..constrained_sheet import EVERY_PLACE, MARKS, SPACING, line_upright, pattern, sheet, wave
 from ..scenes import (
     add_group,
-    add_object,
     attribute,
     directions,
     grid,
     mark_edges,
     places,
-    ring,
     set_numbers,
     set_vectors,
     tube,
@@ -185,15 +183,6 @@ def test_a_line_of_the_same_phase_keeps_it_against_the_directions():
         assert (np.ptp(pattern(obj)[on]) < spread) == bool(rows)
 
 
-def test_both_rims_of_a_tube_keep_a_phase_each_that_fits_best():
-    obj = tube()
-    report = api.stripes(obj, spacing=0.45, constraints=[{"where": "boundary", "what": "constant"}])
-    values = pattern(obj).reshape(9, 24)
-    np.testing.assert_allclose(np.ptp(values, axis=1), 0, atol=1e-5)
-    assert report["energy"] < 1e-6  # 2.0 is no multiple of the spacing: the same phase on both rims would cost
-    assert abs(values[0, 0] - values[-1, 0]) > 0.01 or np.cos(2 * np.pi * 2 / 0.45) > 0.99
-
-
 @pytest.mark.parametrize("wish", ["along", "constant"])
 def test_rows_may_cross_and_meet(wish):
     obj = grid(8)
@@ -207,49 +196,6 @@ def test_rows_may_cross_and_meet(wish):
 
 
 # Boundaries
-
-
-def disk(count=24):
-    """A unit disk of triangles of about the same size, k * 6 of its vertices on the k-th circle."""
-    circles = [[0]]
-    vertices = [(0.0, 0.0, 0.0)]
-    for k in range(1, count + 1):
-        turn = np.arange(6 * k) * 2 * np.pi / (6 * k)
-        circles.append(list(range(len(vertices), len(vertices) + 6 * k)))
-        vertices += [(k / count * np.cos(a), k / count * np.sin(a), 0.0) for a in turn]
-    faces = []
-    for k, (inner, outer) in enumerate(pairwise(circles)):
-        for sector in range(6):
-            for i in range(k + 1):
-                out = sector * (k + 1) + i
-                into = sector * k + i
-                a, b = outer[out], outer[(out + 1) % len(outer)]
-                faces.append((inner[into % len(inner)], a, b))
-                if i < k:
-                    faces.append((inner[into], b, inner[(into + 1) % len(inner)]))
-    return add_object(vertices, faces, "Disk")
-
-
-def test_a_flat_ring_with_stripes_on_its_boundary_has_concentric_rings():
-    obj = ring(np.linspace(0.5, 1.5, 13), 72)
-    report = api.stripes(obj, spacing=0.25, constraints=[{"where": "boundary", "what": "phase"}])
-    radius = np.linalg.norm(places(obj), axis=1)
-    np.testing.assert_allclose(pattern(obj), wave(radius - 0.5, 0.25), atol=0.01)
-    assert report["dislocations"] == report["disclinations"] == []
-
-
-def test_a_disk_with_a_stripe_on_its_boundary_has_concentric_rings():
-    obj = disk()
-    set_vectors(obj, "circles", np.cross([0, 0, 1], places(obj)))  # zero in the centre, where nothing is asked
-    rows = [
-        {"where": "boundary", "what": "phase", "degrees": 180},
-        {"where": "attribute", "what": "along", "name": "circles"},
-    ]
-    report = api.stripes(obj, spacing=0.25, symmetry="vector", constraints=rows)
-    distance = 1 - np.linalg.norm(places(obj), axis=1)
-    outside = distance < 0.9
-    np.testing.assert_allclose(pattern(obj)[outside], -wave(distance, 0.25)[outside], atol=0.05)
-    assert [d["index"] for d in report["disclinations"]] == [1] and report["dislocations"] == []
 
 
 @pytest.mark.parametrize("boundary", ["along", "across", "phase"])

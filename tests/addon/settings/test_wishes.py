@@ -75,17 +75,6 @@ def test_vertex_group_restricts_the_boundary():
     assert (angles[UPPER] < 45).all()
 
 
-@pytest.mark.parametrize("symmetry", ["VECTOR", "LINE"])
-def test_stripe_lies_exactly_on_the_boundary(symmetry):
-    obj = tube()
-    # 2.0 high: stripes a third apart cannot lie on both rims without bending.
-    bpy.ops.synch.stripes(symmetry=symmetry, boundary="PHASE", spacing=0.45)
-    on_rims = np.concatenate([LOWER, UPPER])
-    np.testing.assert_allclose(attribute(obj, "synch_pattern")[on_rims], 1, atol=1e-6)
-    assert attribute(obj, "synch_pattern").min() < -0.5
-    np.testing.assert_allclose(angles_to_axis(obj)[on_rims], 90, atol=1.0)
-
-
 def test_stripe_lies_on_the_named_part_of_the_boundary_only():
     obj = tube()
     add_group(obj, "lower", LOWER)
