@@ -182,10 +182,7 @@ def print_comparison(rows):
     """On how many meshes ours meets its face count and has only quads, and is no worse than each of the others."""
     rows = [
         row
-        | {
-            "other_share": 1 - row["quad_share"],
-            "all_irregular": row["irregular_vertices"] + row["irregular_on_rim"],
-        }
+        | {"other_share": 1 - row["quad_share"], "all_irregular": row["irregular_vertices"] + row["irregular_on_rim"]}
         for row in rows
         if "faces" in row
     ]

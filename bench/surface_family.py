@@ -10,12 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from synch_fields.bench.surface_shapes import (
-    SurfaceShape,
-    implicit_surface,
-    ring_distance,
-    union_of,
-)
+from synch_fields.bench.surface_shapes import SurfaceShape, implicit_surface, ring_distance, union_of
 from synch_fields.bench.turned import turned
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh

@@ -193,11 +193,7 @@ def answers(tool, pythons):
         ({}, None, "Python 3.13 or 3.11 is needed.*no Python runs: install one, or name it"),
         ({"python3": "3.12"}, None, "Python 3.13 or 3.11 is needed.*only 3.12 runs"),
         ({"python3": "3.13"}, "python3.99", "python3.99 does not run"),
-        (
-            {"python3.13": "3.13 without venv"},
-            None,
-            "Python 3.13 lacks its modules venv.*python3.13-venv",
-        ),
+        ({"python3.13": "3.13 without venv"}, None, "Python 3.13 lacks its modules venv.*python3.13-venv"),
     ],
 )
 def test_a_line_says_which_python_is_missing(bare, pythons, named, said, monkeypatch):

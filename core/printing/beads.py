@@ -219,12 +219,7 @@ def distances_to_rims(surfaces: LayerSurfaces, step: float) -> BeadDistances:
 
 
 def _put_on_layers(
-    mesh: TriangleMesh,
-    more: list[Polyline],
-    away: BeadDistances,
-    rim: BeadDistances,
-    on_layers: _Nearest,
-    step: float,
+    mesh: TriangleMesh, more: list[Polyline], away: BeadDistances, rim: BeadDistances, on_layers: _Nearest, step: float
 ) -> _Found:
     """Beads that fill gaps as lines on the layers' mesh, with their layers, kinds and half widths."""
     points = np.concatenate([bead.points for bead in more])

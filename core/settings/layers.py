@@ -68,9 +68,7 @@ LAYER_GUIDES = {
     ),
     "file": LayerGuideKind("File", "Vectors in a solid, on points or cells of a .vtu or .sol file", **_VECTOR_FILE),
     "lines": LayerGuideKind(
-        "File of Lines",
-        "The same for vectors of either sign, such as principal stresses",
-        **_VECTOR_FILE,
+        "File of Lines", "The same for vectors of either sign, such as principal stresses", **_VECTOR_FILE
     ),
 }
 # Wishes for a group of the boundary.

@@ -269,11 +269,7 @@ def _describe(report, names, settings, start):
     """Add maps that have been saved to the report; those that were baked together share their time."""
     seconds = (time.perf_counter() - start) / len(names)
     for name in names:
-        report["maps"][name] = {
-            "meaning": MAPS[name].meaning,
-            "bits": int(settings.depth(name)),
-            "seconds": seconds,
-        }
+        report["maps"][name] = {"meaning": MAPS[name].meaning, "bits": int(settings.depth(name)), "seconds": seconds}
 
 
 def _put_files(obj, settings, temporary, folder, report):

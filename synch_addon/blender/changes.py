@@ -2,14 +2,7 @@
 """Which state meshes and objects are in, for what is computed from them at a redraw and kept until they change."""
 
 import bpy
-from bpy.app.handlers import (
-    depsgraph_update_post,
-    frame_change_post,
-    load_post,
-    persistent,
-    redo_post,
-    undo_post,
-)
+from bpy.app.handlers import depsgraph_update_post, frame_change_post, load_post, persistent, redo_post, undo_post
 
 from .registration import register_handlers
 

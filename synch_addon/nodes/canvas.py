@@ -260,10 +260,7 @@ def _declare(tree, inputs, outputs):
 
 def _new_socket(tree, socket, direction):
     item = tree.interface.new_socket(
-        socket.name,
-        description=socket.description,
-        in_out=direction,
-        socket_type=f"NodeSocket{socket.kind}",
+        socket.name, description=socket.description, in_out=direction, socket_type=f"NodeSocket{socket.kind}"
     )
     if socket.limits:
         item.min_value, item.max_value = socket.limits

@@ -7,13 +7,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError
-from ...core.fields.guidance.guides import (
-    axis_guide,
-    curvature_guide,
-    distance_guide,
-    gradient_guide,
-    vectors_guide,
-)
+from ...core.fields.guidance.guides import axis_guide, curvature_guide, distance_guide, gradient_guide, vectors_guide
 from ...core.settings.guidance import AXES, BOUNDARY
 from ...core.settings.surface import SYMMETRY_ORDERS
 from ...core.tasks.surface_source import PendingGuide

@@ -4,14 +4,7 @@
 from types import SimpleNamespace
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    BoolVectorProperty,
-    CollectionProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy.props import BoolProperty, BoolVectorProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
 
 from ...core.settings.setting import records
 from ...core.settings.surface import SurfaceSettings

@@ -45,13 +45,7 @@ def layer_export(obj: bpy.types.Object, path: str | PathLike[str], together: boo
     if older:
         names = f"{older[0]} to {older[-1]}" if len(older) > 1 else older[0]
         warnings = [f"{names}: of an earlier run, no layer of this one: delete what you do not need"]
-    return {
-        "status": "written",
-        "command": "layer_export",
-        "object": obj.name,
-        "files": written,
-        "warnings": warnings,
-    }
+    return {"status": "written", "command": "layer_export", "object": obj.name, "files": written, "warnings": warnings}
 
 
 def layer_toolpaths(

@@ -5,14 +5,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
 from ...core.settings.guidance import BOUNDARY
-from ...core.settings.layers import (
-    LAYER_GUIDES,
-    LAYER_WISHES,
-    Flush,
-    LayerGuide,
-    LayerSettings,
-    text_of_groups,
-)
+from ...core.settings.layers import LAYER_GUIDES, LAYER_WISHES, Flush, LayerGuide, LayerSettings, text_of_groups
 from ...core.settings.setting import records
 from ..blender.registration import register_all
 from ..settings.guide_list import AXIS, VECTORS

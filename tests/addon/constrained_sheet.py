@@ -4,17 +4,7 @@
 
 import numpy as np
 
-from .scenes import (
-    add_curve,
-    add_drawing,
-    add_group,
-    add_wire,
-    attribute,
-    make_active,
-    mark_edges,
-    panel,
-    places,
-)
+from .scenes import add_curve, add_drawing, add_group, add_wire, attribute, make_active, mark_edges, panel, places
 
 MARKS = ("seams", "sharp", "creases")
 

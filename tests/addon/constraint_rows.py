@@ -5,12 +5,7 @@
 import bpy
 import numpy as np
 
-from .scenes import (
-    attribute,
-    make_active,
-    mark_edges,
-    panel,
-)
+from .scenes import attribute, make_active, mark_edges, panel
 
 OPERATORS = ["directions", "stripes"]
 

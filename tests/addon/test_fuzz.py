@@ -194,11 +194,7 @@ def _write_medit(path):
 
 
 def _write_vtu(path):
-    arrays = {
-        "connectivity": "0 1 2 3 1 2 3 4",
-        "offsets": "4 8",
-        "types": "10 10",
-    }
+    arrays = {"connectivity": "0 1 2 3 1 2 3 4", "offsets": "4 8", "types": "10 10"}
     cells = "".join(f'<DataArray type="Int64" Name="{k}" format="ascii">{v}</DataArray>' for k, v in arrays.items())
     points = '<DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray>'
     piece = f'<Piece NumberOfPoints="5" NumberOfCells="2"><Points>{points}</Points><Cells>{cells}</Cells></Piece>'

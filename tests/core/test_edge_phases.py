@@ -12,13 +12,7 @@ from synch_fields.core.defects import wrap
 from synch_fields.core.fields import direction_field, quad_pattern
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.polygons import Polygons
-from synch_fields.core.interpolate import (
-    EdgePhases,
-    disclination_centres,
-    dislocation_numbers,
-    evaluate,
-    face_phases,
-)
+from synch_fields.core.interpolate import EdgePhases, disclination_centres, dislocation_numbers, evaluate, face_phases
 
 from .flat_crosses import (
     plane_crosses,

@@ -12,15 +12,7 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
 from .frame_graphs import random_frames
-from .graphs import (
-    KINDS,
-    as_blocks,
-    as_vectors,
-    quadratic,
-    random_connection,
-    random_constraints,
-    random_values,
-)
+from .graphs import KINDS, as_blocks, as_vectors, quadratic, random_connection, random_constraints, random_values
 from .meshes import torus
 
 

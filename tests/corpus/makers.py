@@ -7,12 +7,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..core.meshes import (
-    grid_quads,
-    icosphere,
-    torus_points,
-    voxel_quads,
-)
+from ..core.meshes import grid_quads, icosphere, torus_points, voxel_quads
 
 
 def faces_of(polygons):

@@ -19,14 +19,7 @@ from ..baked_images import SIZE, bake, inside_of, patterned, phases_at, picture
 from ..scenes import snapshot, sphere
 
 addon_utils = importlib.import_module("addon_utils")  # on the path once bpy is loaded, as isort cannot know
-FORMATS = {
-    "mask": (8, 0),
-    "colour": (8, 2),
-    "height": (16, 0),
-    "normal": (8, 2),
-    "phase": (16, 2),
-    "index": (16, 0),
-}
+FORMATS = {"mask": (8, 0), "colour": (8, 2), "height": (16, 0), "normal": (8, 2), "phase": (16, 2), "index": (16, 0)}
 
 
 def header(path):

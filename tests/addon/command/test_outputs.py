@@ -133,10 +133,7 @@ def test_layers_that_cannot_all_be_written_leave_none(limited, tmp_path):
     [
         (["ball.obj", "--export-mesh", "./ball.obj"], "./ball.obj: --export-mesh and the input are the same file"),
         (["ball.obj", "--report", "rows.json", "--constraints", "rows.json"], "rows.json: --report and --constraints"),
-        (
-            ["ball.blend", "--output", "link.blend"],
-            "link.blend: --output and the input are the same",
-        ),
+        (["ball.blend", "--output", "link.blend"], "link.blend: --output and the input are the same"),
     ],
 )
 def test_an_output_that_is_an_input_is_refused_before_anything_runs(tmp_path, monkeypatch, capsys, arguments, line):

@@ -69,8 +69,7 @@ def test_a_file_with_a_python_driver_is_worked_on_and_the_process_ends(tmp_path,
 
 
 @pytest.mark.parametrize(
-    ("last", "status"),
-    [("s.unregister(); s.register(); s.unregister(); sys.exit(3)", 3), ("raise ValueError", 1)],
+    ("last", "status"), [("s.unregister(); s.register(); s.unregister(); sys.exit(3)", 3), ("raise ValueError", 1)]
 )
 def test_a_script_that_has_registered_ends_with_its_own_status(place, last, status):
     code = f"import sys, bpy, synch_fields as s\ns.register()\nprint('done', flush=True)\n{last}"
@@ -104,10 +103,7 @@ SIGNALS = [("SIGTERM", 143, "terminated"), ("SIGINT", 130, "interrupted")]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended at once there")
-@pytest.mark.parametrize(
-    ("number", "status", "word", "moment"),
-    [(*SIGNALS[0], ""), (*SIGNALS[1], "polish")],
-)
+@pytest.mark.parametrize(("number", "status", "word", "moment"), [(*SIGNALS[0], ""), (*SIGNALS[1], "polish")])
 def test_a_signal_ends_a_command_in_one_line_and_leaves_nothing(
     ball, tmp_path, temporary, place, number, status, word, moment
 ):

@@ -14,16 +14,7 @@ from synch_fields.synch_addon.looks import render
 
 from ..quad_meshes import corner_vertices, half_edges, made_from
 from ..run_commands import run
-from ..scenes import (
-    attribute,
-    empties,
-    furnished,
-    grid,
-    make_active,
-    places,
-    snapshot,
-    sphere,
-)
+from ..scenes import attribute, empties, furnished, grid, make_active, places, snapshot, sphere
 
 OPERATORS = ["quads", "quad_mesh"]
 SPACING = 0.5

@@ -125,8 +125,7 @@ def test_given_directions_go_along():
 
 
 @pytest.mark.parametrize(
-    ("pattern", "build"),
-    [("stripes", quad_sphere), ("stripes", hexagon_sphere), ("quads", sphere)],
+    ("pattern", "build"), [("stripes", quad_sphere), ("stripes", hexagon_sphere), ("quads", sphere)]
 )
 def test_each_frame_shows_its_own_solve_without_a_seam(pattern, build):
     """Also before and after the range, and through modifiers that deform; faces that are split keep their shapes."""

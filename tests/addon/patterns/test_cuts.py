@@ -12,14 +12,7 @@ from synch_fields.synch_addon import api
 
 from ..constrained_sheet import MARKS, SPACING, cosines, sheet, wave
 from ..rebuilt_pattern import phases_of, polygons_of
-from ..scenes import (
-    add_group,
-    add_object,
-    hexagon_sphere,
-    mark_edges,
-    places,
-    sphere,
-)
+from ..scenes import add_group, add_object, hexagon_sphere, mark_edges, places, sphere
 
 
 def panels_apart(mark):

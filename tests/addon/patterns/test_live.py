@@ -46,12 +46,7 @@ def test_nothing_is_done_while_nothing_changes():
     assert followed() == 0 and snapshot() == before and memory.state(obj) is shown
 
 
-CHANGES = {
-    "spacing": 0.404,
-    "angle": np.radians(2),
-    "branching": 90.0,
-    "singularities": 80.0,
-}
+CHANGES = {"spacing": 0.404, "angle": np.radians(2), "branching": 90.0, "singularities": 80.0}
 
 
 def uneven():

@@ -10,17 +10,13 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 
-from ...corpus.makers import (
-    klein_bottle,
-    moebius_strip,
-)
+from ...corpus.makers import klein_bottle, moebius_strip
 from ..rebuilt_pattern import largest_jump
 from ..scenes import add_object, attribute, places
 
 
 @pytest.mark.parametrize(
-    ("build", "symmetry"),
-    [(lambda: moebius_strip(60, 8), "line"), (klein_bottle, "vector"), (klein_bottle, "cross")],
+    ("build", "symmetry"), [(lambda: moebius_strip(60, 8), "line"), (klein_bottle, "vector"), (klein_bottle, "cross")]
 )
 def test_patterns_go_on_all_around_a_one_sided_surface(build, symmetry):
     obj = add_object(*build())

@@ -23,16 +23,7 @@ from synch_fields.synch_addon.patterns.read_back import read_back
 
 from ..rebuilt_pattern import largest_jump
 from ..run_commands import undo_and_redo
-from ..scenes import (
-    add_group,
-    add_object,
-    attribute,
-    make_active,
-    snapshot,
-    sphere,
-    torus,
-    tube,
-)
+from ..scenes import add_group, add_object, attribute, make_active, snapshot, sphere, torus, tube
 from .coarse_shapes import BUILD, bytes_of, cube, half_body, rigged_tube, seen
 
 bmesh = importlib.import_module("bmesh")  # on the path once bpy is loaded, as isort cannot know

@@ -125,8 +125,7 @@ def test_a_cut_tears_the_pattern_there_and_nowhere_else():
 
 
 @pytest.mark.parametrize(
-    "build, first, last",
-    [(quad_sphere, "quads", "stripes"), (torus, "stripes", "quads"), (sphere, "quads", "quads")],
+    "build, first, last", [(quad_sphere, "quads", "stripes"), (torus, "stripes", "quads"), (sphere, "quads", "quads")]
 )
 def test_the_last_of_stripes_and_quads_is_all_that_is_left(first, last, build):
     obj = build()

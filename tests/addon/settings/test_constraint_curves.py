@@ -11,13 +11,7 @@ from synch_fields.synch_addon import api
 
 from ..constrained_sheet import SOURCES, SPACING, pattern, sheet, wave
 from ..rebuilt_pattern import phases_of, polygons_of
-from ..scenes import (
-    add_drawing,
-    directions,
-    grid,
-    make_active,
-    places,
-)
+from ..scenes import add_drawing, directions, grid, make_active, places
 
 
 def _area(u, v):

@@ -13,16 +13,7 @@ from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.synch_addon import api
 
 from ..constraint_rows import OPERATORS, add_row, middle, sheet
-from ..scenes import (
-    add_curve,
-    add_group,
-    attribute,
-    make_active,
-    set_vectors,
-    snapshot,
-    sphere,
-    tube,
-)
+from ..scenes import add_curve, add_group, attribute, make_active, set_vectors, snapshot, sphere, tube
 
 
 def selection(obj):

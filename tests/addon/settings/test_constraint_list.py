@@ -18,14 +18,7 @@ from synch_fields.synch_addon.panels import constraints
 from synch_fields.synch_addon.settings.constraint_list import stored_constraints
 
 from ..constraint_rows import OPERATORS, add_row, sheet
-from ..scenes import (
-    add_curve,
-    add_group,
-    attribute,
-    make_active,
-    save_and_reopen,
-    snapshot,
-)
+from ..scenes import add_curve, add_group, attribute, make_active, save_and_reopen, snapshot
 
 # From the panel to the core
 

@@ -11,17 +11,7 @@ import pytest
 from synch_fields.synch_addon import api
 
 from ..constrained_sheet import EVERY_PLACE, MARKS, SPACING, line_upright, pattern, sheet, wave
-from ..scenes import (
-    add_group,
-    attribute,
-    directions,
-    grid,
-    mark_edges,
-    places,
-    set_numbers,
-    set_vectors,
-    tube,
-)
+from ..scenes import add_group, attribute, directions, grid, mark_edges, places, set_numbers, set_vectors, tube
 
 # Directions
 

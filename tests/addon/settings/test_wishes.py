@@ -19,12 +19,7 @@ def angles_to_axis(obj):
 
 @pytest.mark.parametrize(
     "guidance, angle, expected",
-    [
-        ("curvature-max", 0, 90),
-        ("curvature-min", 0, 0),
-        ("curvature-min", 30, 30),
-        ("curvature-max", -20, 70),
-    ],
+    [("curvature-max", 0, 90), ("curvature-min", 0, 0), ("curvature-min", 30, 30), ("curvature-max", -20, 70)],
 )
 @pytest.mark.parametrize("operator", ["directions", "stripes"])
 def test_directions_on_a_tube_follow_its_curvature(guidance, angle, expected, operator):

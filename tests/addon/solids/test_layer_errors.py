@@ -9,13 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError, SynchError
-from synch_fields.core.settings.layers import (
-    Flush,
-    LayerGuide,
-    LayerSettings,
-    groups_of_text,
-    text_of_groups,
-)
+from synch_fields.core.settings.layers import Flush, LayerGuide, LayerSettings, groups_of_text, text_of_groups
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.solids.surface import read_surface
 

@@ -20,13 +20,7 @@ from ..scenes import add_curve, add_object, attribute, make_active, set_numbers,
 from ..solid_objects import bent_bar, block, layers_of, made
 
 COARSE = {"spacing": 0.38, "size": 0.18}
-GUIDANCE = (
-    "axis:Z",
-    "harmonic:Bottom:Top",
-    "distance:Bed",
-    "around:Line",
-    "attribute:up",
-)
+GUIDANCE = ("axis:Z", "harmonic:Bottom:Top", "distance:Bed", "around:Line", "attribute:up")
 
 
 def asked(guidance="axis:Z", **settings):

@@ -56,10 +56,7 @@ def ring_stripes():
     return SynchronizationProblem(Connection(len(i), edges, np.ones(len(edges)), transports))
 
 
-PROBLEMS = {
-    "stripes": ring_stripes,
-    "crosses": lambda: direction_problem(bumpy_torus(20), 4),
-}
+PROBLEMS = {"stripes": ring_stripes, "crosses": lambda: direction_problem(bumpy_torus(20), 4)}
 
 
 @pytest.fixture(scope="module", params=PROBLEMS)

@@ -12,13 +12,7 @@ import pytest
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.extract.vortices.filaments import bilinear_zero, filaments, vortices
 from synch_fields.core.fields.biot_savart import filament_integrals, filament_velocity
-from synch_fields.core.fields.clebsch import (
-    circulations,
-    clebsch_map,
-    edge_integrals,
-    quantum_for,
-    spherical_map,
-)
+from synch_fields.core.fields.clebsch import circulations, clebsch_map, edge_integrals, quantum_for, spherical_map
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.solve import Options
 

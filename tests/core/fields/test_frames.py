@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import (
-    PatternWishes,
-    Row,
-    boundary_line,
-    direction_field,
-    quad_pattern,
-    stripe_pattern,
-)
+from synch_fields.core.fields import PatternWishes, Row, boundary_line, direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.animation import carry_angles, nearest_representatives, next_solution
 from synch_fields.core.fields.directions import DirectionField, DirectionWishes
 from synch_fields.core.fields.patterns import next_pattern

@@ -10,9 +10,7 @@ from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.core.fields.guidance.potentials import harmonic_function
 from synch_fields.core.fields.guidance.solid_distance import solid_distance
-from synch_fields.core.fields.guidance.solids import (
-    axis_directions,
-)
+from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, solve_layers
 from synch_fields.core.interpolate_solid import evaluate_in_tets
 from synch_fields.core.solve import Options

@@ -15,17 +15,7 @@ from synch_fields.core.solve import Options, Status, solve
 
 from ..flat_crosses import plane_crosses, random_turns, turned_crosses
 from ..graphs import brute_force, lifted_matrix, relaxation
-from ..meshes import (
-    annulus,
-    bent_square,
-    cube,
-    double_torus,
-    icosphere,
-    octahedron,
-    rounded_cube,
-    square,
-    torus,
-)
+from ..meshes import annulus, bent_square, cube, double_torus, icosphere, octahedron, rounded_cube, square, torus
 
 
 def with_a_twist(problem):
@@ -160,10 +150,7 @@ def test_the_optimum_of_a_tiny_pattern_does_not_depend_on_representatives(build)
 # Methods
 
 
-@pytest.mark.parametrize(
-    ("build", "cells"),
-    [(rounded_cube, 7), (torus, 4), (double_torus, 7), (bent_square, 4)],
-)
+@pytest.mark.parametrize(("build", "cells"), [(rounded_cube, 7), (torus, 4), (double_torus, 7), (bent_square, 4)])
 def test_the_relaxation_lies_between_the_bound_and_every_method(build, cells):
     mesh = build()
     field, spacing = direction_field(mesh, 4), np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / cells

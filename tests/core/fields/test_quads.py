@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import (
-    DirectionField,
-    direction_field,
-    given_directions,
-    quad_pattern,
-    stripe_pattern,
-)
+from synch_fields.core.fields import DirectionField, direction_field, given_directions, quad_pattern, stripe_pattern
 from synch_fields.core.fields.patterns import PatternWishes, pattern_problem, untangle
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh

@@ -7,13 +7,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.vortices.filaments import linear_zero, vortices
-from synch_fields.core.fields.clebsch import (
-    circulations,
-    clebsch_map,
-    edge_integrals,
-    quantum_for,
-    spherical_map,
-)
+from synch_fields.core.fields.clebsch import circulations, clebsch_map, edge_integrals, quantum_for, spherical_map
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.geometry.surface import Surface

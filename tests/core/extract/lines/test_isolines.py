@@ -15,13 +15,7 @@ from synch_fields.core.fields import direction_field, given_directions, quad_pat
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
-from synch_fields.core.interpolate import (
-    EdgePhases,
-    disclination_centres,
-    dislocation_numbers,
-    evaluate,
-    face_phases,
-)
+from synch_fields.core.interpolate import EdgePhases, disclination_centres, dislocation_numbers, evaluate, face_phases
 
 from ...direction_wishes import boundary_row
 from ...flat_crosses import plane_edge_phases, random_edge_phases

@@ -12,11 +12,7 @@ from synch_fields.core.interpolate import evaluate, face_phases
 
 from ...meshes import as_triangles, icosphere, mixed_torus, quad_torus
 
-BUILDS = {
-    "triangles": lambda: as_triangles(icosphere(3)),
-    "quads": lambda: quad_torus(None),
-    "mixed": mixed_torus,
-}
+BUILDS = {"triangles": lambda: as_triangles(icosphere(3)), "quads": lambda: quad_torus(None), "mixed": mixed_torus}
 
 
 def weights_in(triangles, places):

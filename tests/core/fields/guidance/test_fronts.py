@@ -10,16 +10,7 @@ from synch_fields.core.fields.guidance.guides import distance_guide
 from synch_fields.core.geometry import TriangleMesh
 
 from ...guide_errors import misses
-from ...meshes import (
-    annulus,
-    cylinder,
-    disk,
-    icosphere,
-    shared_mesh,
-    slivers,
-    square,
-    together,
-)
+from ...meshes import annulus, cylinder, disk, icosphere, shared_mesh, slivers, square, together
 
 
 def plane(n):

@@ -22,17 +22,7 @@ from synch_fields.core.fields.guidance.guides import (
 from synch_fields.core.geometry import TriangleMesh
 
 from ...guide_errors import in_space, misses
-from ...meshes import (
-    EVERY,
-    FLAT,
-    bent_square,
-    bumpy_torus,
-    cylinder,
-    disk,
-    icosphere,
-    square,
-    together,
-)
+from ...meshes import EVERY, FLAT, bent_square, bumpy_torus, cylinder, disk, icosphere, square, together
 
 
 def used(mesh):
@@ -284,18 +274,9 @@ ONE = Guide(np.zeros(16), np.ones(16))
         (lambda: axis_guide(MESH, [1, 2]), "has no direction: give three finite numbers"),
         (lambda: axis_guide(MESH, [0, 0, -3]), "points straight out of the surface everywhere: tilt it"),
         (lambda: vectors_guide(MESH, np.ones((4, 3))), "shape (4, 3) where (16, 3) is needed: give one vector"),
-        (
-            lambda: vectors_guide(MESH, np.full((16, 3), np.inf)),
-            "vector of vertices 0, 1, 2 and 13 more is not",
-        ),
-        (
-            lambda: vectors_guide(MESH, np.tile([0, 0, 1.0], (16, 1))),
-            "every guidance vector is zero or points",
-        ),
-        (
-            lambda: distance_guide(MESH, np.zeros(16)),
-            "no vertex with a face is in the group of sources: add",
-        ),
+        (lambda: vectors_guide(MESH, np.full((16, 3), np.inf)), "vector of vertices 0, 1, 2 and 13 more is not"),
+        (lambda: vectors_guide(MESH, np.tile([0, 0, 1.0], (16, 1))), "every guidance vector is zero or points"),
+        (lambda: distance_guide(MESH, np.zeros(16)), "no vertex with a face is in the group of sources: add"),
         (lambda: distance_guide(MESH, np.ones(16)), "every vertex is at distance 0: leave at least one out"),
         (lambda: front_distance(MESH, np.ones(3)), "shape (3,) and the mesh has 16 vertices: give one truth value"),
         (

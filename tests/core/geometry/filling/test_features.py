@@ -7,12 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.features import (
-    SHARP,
-    sharp_edges,
-    sharpen_edges,
-    within_bounds,
-)
+from synch_fields.core.geometry.filling.features import SHARP, sharp_edges, sharpen_edges, within_bounds
 from synch_fields.core.geometry.filling.stuffing import DIHEDRAL_BOUNDS, fill_surface
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.nearest import nearest_in_triangles

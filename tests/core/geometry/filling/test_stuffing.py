@@ -25,14 +25,7 @@ from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.tet_mesh import TET_EDGES, TetMesh, signed_volumes
 
 from ...meshes import shared_mesh
-from ...solids import (
-    ball_distance,
-    box_distance,
-    dihedral_angles,
-    enclosed_volume,
-    shell_distance,
-    torus_distance,
-)
+from ...solids import ball_distance, box_distance, dihedral_angles, enclosed_volume, shell_distance, torus_distance
 
 BALL = np.array([[-1.0] * 3, [1.0] * 3])
 TORUS = np.array([[-1.4, -1.4, -0.4], [1.4, 1.4, 0.4]])
