@@ -34,7 +34,7 @@ def hills():
 
 def lumps():
     """A ball with lumps, on which crosses have more singular points than the eight that it needs."""
-    obj = sphere(4)
+    obj = sphere(3)
     points = attribute(obj, "position").astype(float)
     grown = 1 + np.sin(6 * points).mean(axis=1, keepdims=True) / 2
     obj.data.vertices.foreach_set("co", (points * grown).ravel())
