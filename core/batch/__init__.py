@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many commands at once: rows, what is done of them, the processes or the cluster that run them, and their table."""
+"""Many commands at once: rows, their records, the processes or the cluster that run them, and the table of results."""

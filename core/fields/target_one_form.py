@@ -73,7 +73,7 @@ class TargetOneForm:
         return cls(mesh, angles, rates, matched, field.symmetry == 1, scale=scale, solver_matchings=solver_matchings)
 
     def __getstate__(self) -> dict[str, object]:
-        """Without what can be made again: for another process, which has the mesh."""
+        """A copy without what can be computed again, for a process that has the mesh."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property

@@ -66,7 +66,7 @@ class VortexShape:
 
 
 def filament_shape(lines: Sequence[Filament], winding: Linked | None) -> VortexShape:
-    """The shape of filaments, whose winding is None where it is not known."""
+    """The shape of filaments; their winding is None if unknown."""
     ends = np.cumsum([0, *(len(line.whole) for line in lines)]).tolist()
     cells = [list(range(begin, end)) for begin, end in pairwise(ends)]
     columns = zip(*_values(lines, winding), strict=True) if lines else [()] * len(_VALUES)

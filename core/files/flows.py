@@ -135,7 +135,7 @@ def _headers(archive: ZipFile) -> dict[str, _Header]:
 
 
 def _check_headers(headers: dict[str, _Header]) -> None:
-    """Refuse arrays of other shapes and types than those of a flow."""
+    """Refuse arrays that have not the shape and type of a flow."""
     vectors = VELOCITY if VELOCITY in headers else VORTICITY
     shape, dtype = headers[vectors]
     if len(shape) not in (3, 4) or shape[-1] != len(shape) - 1:

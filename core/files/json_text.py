@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON that every reader accepts: reports are written, and what objects keep of them is read and checked."""
+"""JSON that every reader accepts: reports are written, and the parts that objects keep are read and checked."""
 
 import json
 import math

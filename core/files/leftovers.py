@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of temporary files that identify their process, so that another can remove what a killed one has left."""
+"""Names of temporary files that identify their process, so that another can remove those of a killed one."""
 
 import os
 import platform

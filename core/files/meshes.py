@@ -50,7 +50,7 @@ def _is_whole_ply(content: bytes) -> bool:
 
 
 def check_ply(path: str | Path) -> None:
-    """Raise SettingError for a .ply file whose header Blender's importer does not survive."""
+    """Raise SettingError for a .ply file whose header would crash Blender's importer."""
     with border(path):
         content = read_bytes(path)
         kind, elements, body = _ply_header(content)

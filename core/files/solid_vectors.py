@@ -82,7 +82,7 @@ def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
 
 
 def _of_sol(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:
-    """The same for the fields of a .sol file, whose names are numbers."""
+    """Read the vector fields of a .sol file, whose names are numbers."""
     sections = medit_sections(path, content)
     found = {}
     for keyword, at_vertices in (("SolAtVertices", True), ("SolAtTetrahedra", False)):

@@ -54,7 +54,7 @@ def write_together() -> Iterator[Callable[..., AbstractContextManager[Path]]]:
 
 @contextmanager
 def _write_beside(waiting: list[_Waiting], path: str | Path, is_whole: _Check | None = None) -> Iterator[Path]:
-    """Write a file beside its place, and add it to those that wait."""
+    """Write a file beside its place, and add it to the waiting ones."""
     target = Path(path).resolve()
     if target.is_dir():
         raise unwritten(path, "this is a folder")

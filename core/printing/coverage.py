@@ -81,8 +81,7 @@ def share_area(
     step: float,
     contours: BeadDistances | None = None,
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Share the area of layers, with the (t,) numbers of a mesh's triangles, out to the beads whose sides are nearest
-    to it.
+    """Assign the area of layers, given by the (t,) layer of each triangle, to the beads with the nearest sides.
 
     Parameters
     ----------

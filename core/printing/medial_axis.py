@@ -144,7 +144,7 @@ def medial_points(mesh: TriangleMesh, distances: np.ndarray, step: float) -> tup
 
 
 def _nearest_on_rim(mesh: TriangleMesh) -> np.ndarray:
-    """(n,) the vertex of the rim that is nearest to each vertex, of those that it is led to along edges."""
+    """(n,) the vertex of the rim that is nearest to each vertex, searched along edges."""
     i, j = mesh.edges.T
     count = mesh.vertex_count
     graph = coo_matrix((mesh.edge_lengths, (i, j)), shape=(count, count)).tocsr()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The order in which beads are laid: what carries others first, and then the nearest one."""
+"""The order in which beads are laid: carrying layers first, in each layer the nearest bead next."""
 
 import heapq
 
@@ -13,8 +13,10 @@ _CARRIED = 0.02
 
 
 def carrying_pairs(of: np.ndarray, lower: np.ndarray, count: int) -> np.ndarray:
-    """(2, k) layers that lie on others with more than a small share of their points, and these: from (n,) layers of
-    points and (n,) those below, negative for none."""
+    """(2, k) pairs of a layer and one below it, for layers that lie on it with more than a small share of their points.
+
+    ``of`` has the layer of each point, ``lower`` the layer below it, negative without one.
+    """
     pairs, numbers = np.unique(np.column_stack([of, lower]), axis=0, return_counts=True)
     shares = numbers / np.bincount(of, minlength=count)[pairs[:, 0]]
     kept = (pairs[:, 1] >= 0) & (shares > _CARRIED)
@@ -22,10 +24,9 @@ def carrying_pairs(of: np.ndarray, lower: np.ndarray, count: int) -> np.ndarray:
 
 
 def layer_order(count: int, carried: np.ndarray, carrying: np.ndarray) -> np.ndarray:
-    """Layers in an order in which what carries comes before what it carries, the lowest number first where it is free.
+    """Sort layers topologically, so that each comes after those that carry it; of several, the lowest number first.
 
-    (k,) ``carried`` layers lie upon the (k,) ``carrying`` ones; where they go round in a circle, the lowest number of
-    it comes first.
+    (k,) ``carried`` layers lie upon the (k,) ``carrying`` ones. A cycle begins with its lowest number.
     """
     pairs = np.unique(np.array([carrying, carried], int).T.reshape(-1, 2), axis=0)
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
@@ -49,9 +50,9 @@ def layer_order(count: int, carried: np.ndarray, carrying: np.ndarray) -> np.nda
 
 
 def count_levels(order: np.ndarray, carried: np.ndarray, carrying: np.ndarray) -> np.ndarray:
-    """(count,) how many layers are below each one; a layer that none carries is level with the one printed before it.
+    """(count,) the number of layers below each one; a layer without any has the level of the one printed before it.
 
-    Parameters as those and the result of :func:`layer_order`.
+    ``order`` is the result of :func:`layer_order`, the others are its parameters.
     """
     below: dict[int, list[int]] = {}
     for one, other in zip(carried.tolist(), carrying.tolist(), strict=True):

@@ -57,7 +57,7 @@ class BakeJob:
         self._pieces, self._report = _baking(self.link, settings), None
 
     def advance(self):
-        """Do the piece that was named last; returns what comes next and the share that is done, None at the end."""
+        """Do the step that was named last; returns the next step's name and the share that is done, None at the end."""
         try:
             return next(self._pieces)
         except StopIteration as end:

@@ -132,7 +132,7 @@ def _output(material):
 
 
 def _base_color(output):
-    """Socket or value of the base colour of the first shader on the way to an output, None where there is none."""
+    """Socket or value of the base colour of the first shader before an output, None without one."""
     waiting, seen = [output.inputs["Surface"]], set()
     while waiting:
         for link in waiting.pop(0).links:

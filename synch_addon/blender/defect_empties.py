@@ -30,7 +30,7 @@ _DISPLAY = {"disclination": ("SPHERE", 0.3), "dislocation": ("SINGLE_ARROW", 0.5
 
 
 class DefectEmpty(NamedTuple):
-    """What one empty shows of a defect: any record with these names will do for `write_defects`.
+    """The properties of one empty: `write_defects` takes any record with these names.
 
     `phase` is "x" or "y" for a dislocation of quads, which have two phases.
     """
@@ -104,7 +104,7 @@ def orphaned_empties():
 
 
 def collection_of_defects(obj):
-    """The collection that holds all defect empties of `obj`, where a user has left them there, or None."""
+    """The collection of all defect empties of `obj`; None if a user has moved them elsewhere."""
     empties = defect_empties(obj)
     found = {collection for empty in empties[:1] for collection in empty.users_collection if _MARK in collection}
     return found.pop() if found else None
@@ -233,7 +233,7 @@ def _new_collection(name, role):
 
 
 def remove_collections(collections):
-    """Remove collections of defects that have no content, and then those around them."""
+    """Remove empty collections of defects, and then collections that become empty."""
     for collection in collections:
         if _MARK in collection:
             _remove_if_empty(collection)

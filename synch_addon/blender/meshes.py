@@ -129,7 +129,7 @@ def has_faces(polygons, given):
 
 
 def read_polygons(obj, with_triangles=True):
-    """The faces of the object's mesh and the triangles that Blender draws them with, or none, which takes less time."""
+    """The faces of the object's mesh and, unless left out to save time, the triangles that Blender draws them with."""
     data = obj.data
     if len(data.loops) == 3 * len(data.polygons):
         starts = 3 * np.arange(len(data.polygons))
@@ -187,7 +187,7 @@ def can_be_split(obj, faces, surface):
 
 
 def _shown(surface):
-    """(p,) the face of the surface's Polygons whose pattern each face shows: itself, or the one that it doubles."""
+    """(p,) the face whose pattern each face shows: itself, or the one that it duplicates."""
     return surface.at_faces(np.arange(len(surface.starts)))
 
 

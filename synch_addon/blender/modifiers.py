@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Modifiers of an object: which of them change faces, which are ours, and evaluating without them."""
+"""Modifiers of an object: those that change faces, those of the extension, and evaluation without them."""
 
 from contextlib import ExitStack, contextmanager
 from itertools import takewhile
@@ -18,7 +18,7 @@ _CHANGES_FACES = (
 
 
 def changing_modifiers(obj):
-    """The modifiers after which the mesh that is seen may have other faces than the one that carries a pattern."""
+    """The visible modifiers after which the mesh may have other faces than the one that carries a pattern."""
     return [modifier for modifier in foreign_modifiers(obj) if changes_faces(modifier)]
 
 
@@ -28,7 +28,7 @@ def foreign_modifiers(obj):
 
 
 def last_subdivisions(obj):
-    """The Subdivision Surfaces that are seen and that nothing but what shows a pattern comes after."""
+    """The visible Subdivision Surface modifiers that are followed only by modifiers that show patterns."""
     return list(takewhile(lambda modifier: modifier.type == "SUBSURF", reversed(foreign_modifiers(obj))))
 
 

@@ -32,7 +32,7 @@ def quiet_stdout():
 
 @contextmanager
 def quiet_stderr():
-    """Drop what Blender's importers print of each line of a file; what is raised tells what is wrong."""
+    """Drop what Blender's importers print about lines of a file; errors are raised all the same."""
     sys.stderr.flush()
     kept = os.dup(2)
     with open(os.devnull, "w") as nowhere:

@@ -13,7 +13,7 @@ _NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
 def shown_file(obj):
-    """The file that a volume object shows at the scene's present frame. Raises SettingError where it has none."""
+    """The file that a volume object shows at the scene's present frame; raises SettingError without one."""
     volume = obj.data
     if not volume.filepath:
         raise SettingError(f"the volume {obj.name} has no file: save it as .vdb and choose that")

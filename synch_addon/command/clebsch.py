@@ -36,10 +36,9 @@ def add_parser(commands):
 
 
 def _only(attribute):
-    """The objects of the scene that are a flow: a volume, a mesh with the attribute, or all curves, but those that a
-    flow has shown before.
+    """The only flow in the scene: a volume, a mesh with the attribute, or all curves except filaments shown before.
 
-    Raises SettingError when there is none, or more than one, naming them.
+    Raises SettingError without a flow, and names them if there are several.
     """
     objects = list(bpy.context.scene.objects)
     curves = [obj for obj in objects if obj.type == "CURVE" and not any(map(is_of_filaments, obj.modifiers))]

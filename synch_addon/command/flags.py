@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flags that commands of the command line share, and what a command has made."""
+"""Flags shared by several commands, and the results of a command."""
 
 from typing import NamedTuple
 

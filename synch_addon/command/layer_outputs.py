@@ -65,7 +65,7 @@ def check(options):
 
 
 def heights_of(options):
-    """Limits of the layers' heights in scene units, those of the machine where there are no flags."""
+    """Limits of the layers' heights in scene units: from the flags, otherwise from the machine."""
     machine = machine_of(options.machine)
     largest = machine.largest_height if math.isfinite(machine.largest_height) else 0.0
     given = {"smallest_height": machine.smallest_height, "largest_height": largest}

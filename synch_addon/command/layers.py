@@ -68,8 +68,10 @@ def run(options, open_object, progress):
 
 
 def _open_solid(path):
-    """An object of the boundary of the tetrahedra in a file, in an empty scene, and these; its vertex groups are what
-    the file's triangles are marked with. Where they are far from the origin, the object is at their centre."""
+    """An object of the boundary of a file's tetrahedra, in an empty scene, and the tetrahedra.
+
+    Marks of the file's triangles become vertex groups. Far from the origin, the object is at the centre of the solid.
+    """
     solid, marks = read_marked_tets(path)
     centre = centre_of_far(solid.vertices)
     if centre is not None:

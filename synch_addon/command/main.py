@@ -100,7 +100,7 @@ def _at_dashes(arguments):
 
 
 def _carry_out(options, open_object, progress):
-    """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths.
+    """Run a command and write its report and picture, if asked for; returns what was made, with the paths.
 
     Errors are SynchError, which the report tells, too, where one is asked for.
     """
@@ -124,7 +124,7 @@ def _carry_out_row(options):
 
 
 def _parse_row(parser, arguments):
-    """The options of a row; SettingError where they are none."""
+    """The options of a row; raises SettingError if they cannot be parsed."""
     told = io.StringIO()
     try:
         with redirect_stderr(told):
@@ -173,7 +173,7 @@ def _report_error(options, declared, error):
 
 
 def _write_outputs(made, options, progress):
-    """Write the report and the picture that are asked for; what was made, with their paths."""
+    """Write the report and picture, if asked for; returns what was made, with the paths."""
     report, picture = (getattr(options, name, None) for name in ("report", "render"))
     if report:  # a picture may take minutes, and what was solved should not be lost with it
         _write_json(report, made.report)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one exit of the command line's processes, whatever ran in them.
+"""The only exit of the command line's processes, whatever ran in them.
 
 Blender's own exit as a module waits for ever after a file with drivers, may abort while threads of what was interrupted
 still run, and crashes where classes are left. Inside a Blender program that program ends the process itself, except
@@ -22,7 +22,7 @@ _PREFIX = "blender_"
 
 
 def begin():
-    """Mark Blender's temporary folder as this process's, and remove those that killed ones of ours have left."""
+    """Mark Blender's temporary folder as this process's, and remove the folders of our killed processes."""
     folder = Path(bpy.app.tempdir)
     if folder.name.startswith(_PREFIX):
         mark(folder)
@@ -30,7 +30,7 @@ def begin():
 
 
 def leave(status):
-    """End this process after what other modules do at its end, such as saving what tests have covered."""
+    """End this process after the exit handlers of other modules, such as one that saves test coverage."""
     with suppress(BaseException):  # what is raised there has been printed
         atexit._run_exitfuncs()
     leave_now(status)

@@ -78,7 +78,7 @@ def choose_point(
 
 
 def slide(obj):
-    """Show what the sliders of an object are set to, or set them back where that cannot be shown."""
+    """Show the values of an object's sliders, or reset them if these cannot be shown."""
     look = obj.synch_vortices
     try:
         choose_point(obj, tuple(look.point), opening=look.opening, smoothing=look.smoothing)
@@ -87,7 +87,7 @@ def slide(obj):
 
 
 def _shown(obj, settings):
-    """The settings with the look that an object has now: an undo changes that, but not what is kept of the solve."""
+    """The settings of a solve with the object's present look, which an undo may have changed."""
     if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
         return settings
     return replace(settings, **obj.synch_vortices.figures.get("look", {}))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last solves of flows, kept while Blender runs: another point of the sphere needs no other."""
+"""The latest solves of flows, kept while Blender runs, so that another point of the sphere needs no new solve."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

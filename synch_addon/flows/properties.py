@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of vortices as Blender properties: what is solved, kept by the scene, and what is seen, kept by objects."""
+"""Settings of vortices as Blender properties: those of the solve belong to the scene, those of the look to objects."""
 
 import math
 
@@ -65,7 +65,7 @@ class SynchVortices(VortexProperties, bpy.types.PropertyGroup):
 
 
 def _show(look, _context):
-    """The objects of the solve show what the sliders of one of them are set to."""
+    """Show the values of one object's sliders on all objects of its solve."""
     obj = look.id_data
     if look.result and memory.flows.holds(obj):
         slide(obj)

@@ -34,7 +34,7 @@ def flow_source(source, core, attribute=VELOCITY):
 
 
 def objects_of(source):
-    """The objects that a source other than a file is: one, or several.
+    """The objects, one or several, of a source that is not a file.
 
     Raises SettingError for anything else.
     """

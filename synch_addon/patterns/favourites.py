@@ -20,7 +20,7 @@ from .write import SAME
 
 
 def keep(obj, name=""):
-    """Keep what an object's stripes or quads show under a name, or one that says which variation it is.
+    """Keep the shown variation of an object's stripes or quads under a name, by default the variation's.
 
     Returns str, the name: another one where it is taken. Raises SynchError, with nothing kept.
     """
@@ -103,7 +103,7 @@ def matching_solve(obj, request, field):
 
 
 def _unused_number(obj):
-    """The next number for a favourite: of the mesh, which other objects may show, too."""
+    """The next number for a favourite; linked copies of the mesh count, too."""
     found = [schema.FAVOURITE.match(attribute.name) for attribute in surface_of(obj).data.attributes]
     numbers = [favourite.number for favourite in obj.synch.favourites]
     return max([*numbers, *(int(match[1]) for match in found if match)], default=0) + 1

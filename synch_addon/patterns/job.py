@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields, patterns and quad meshes as jobs: what is read is a request, and what was found is written and remembered."""
+"""Fields, patterns and quad meshes as jobs: the scene is read into a request, its result is written and remembered."""
 
 from contextlib import nullcontext
 from dataclasses import asdict, replace

@@ -92,7 +92,7 @@ def _of_mesh(mesh, places, *more):
 
 
 def _levels(obj):
-    """Levels of modifiers that differ in renders, which are no change of what the viewport shows."""
+    """Levels of modifiers that differ in renders, which the viewport does not show."""
     return tuple((one.levels, one.render_levels) for one in unequal_levels(obj))
 
 
@@ -117,7 +117,7 @@ def _named(obj, settings):
 
 
 def _values(obj, name):
-    """The values of an attribute, or else the weights of a vertex group; none where there is neither."""
+    """The values of an attribute, or else the weights of a vertex group; empty without either."""
     attribute = obj.data.attributes.get(name)
     if attribute is not None:
         values = attributes.read_values(obj, name, attribute.domain)

@@ -52,7 +52,7 @@ class Solved:
 
     @property
     def shown(self):
-        """The pattern, or the field if there is no pattern: what variations vary."""
+        """The pattern, or the field without a pattern: the subject of variations."""
         return self.field if self.pattern is None else self.pattern
 
     @property
@@ -81,7 +81,7 @@ class Solved:
         return self if self.change is None else self._with(self.change(self))
 
     def compact(self):
-        """The state with the solution's phases, which are shared, in place of those of its variation."""
+        """The state with the phases of the solution, which are shared, instead of the variation's own."""
         return self if self.change is None else self._with(self.shown.with_phases(self.shown.solution.phases))
 
     def _with(self, shown):

@@ -19,7 +19,7 @@ _STEP = 0.1
 
 
 def number_stripes(obj: bpy.types.Object) -> int:
-    """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
+    """Number the stripes of an object and write coordinates along them, for shaders and relief.
 
     What is written follows every later solve and variation of the object. Raises SynchError, with nothing written.
     ``obj``: bpy.types.Object with stripes. Returns int, how many stripes have a line: number k is that of spline k - 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface of its own that a pattern has where the object's faces are not what it is solved on.
+"""The surface of a pattern that is not solved on the object's own faces.
 
 An object that no scene shows has its mesh, and a modifier of the pattern's object puts it in place of the faces.
 """

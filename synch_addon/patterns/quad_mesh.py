@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh of a quad pattern's grid lines as an object, on the surface and with what the given mesh carries."""
+"""The mesh of a quad pattern's grid lines as an object, with the materials and attributes of the given mesh."""
 
 import bpy
 import numpy as np

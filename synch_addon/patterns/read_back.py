@@ -79,7 +79,7 @@ def is_apart(settings, kept):
 
 
 def _asked_along_edges(settings):
-    """The settings that say how phases change along edges, without what their directions were to follow."""
+    """The settings that determine how phases change along edges, without guides of directions."""
     plain = SurfaceSettings()
     names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:

@@ -86,7 +86,7 @@ def mesh_detail(obj):
 
 
 def expected_spacing(command, obj):
-    """About what the automatic spacing of a command on an object is, before it runs; None where that is not known."""
+    """Estimate the automatic spacing of a command on an object before it runs; None if that is not known."""
     found = mesh_detail(obj) if obj.mode == "OBJECT" else None
     if found is None:
         return None
@@ -214,7 +214,7 @@ def draw_warning(layout, obj):
 
 
 def draw_told(column, command, obj):
-    """Say what the automatic spacing of a command is."""
+    """Draw the automatic spacing of a command."""
     told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
     if told is not None:
         text = "About {length} for two quads" if lines_in_period(command) == 2 else "About {length} apart"

@@ -174,7 +174,7 @@ def _kind_of(obj):
 
 
 def _level_for(obj, spacing):
-    """As often as edges have to be halved for a period to have enough of them, as long as the faces stay few enough."""
+    """How often edges have to be halved for a period to have enough of them, within the limit of faces."""
     surface = surface_of(obj)
     data = surface.data
     ends, places = read_all(data.edges, "vertices", 2), read_values(surface, "position", "POINT")

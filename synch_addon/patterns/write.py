@@ -63,7 +63,7 @@ def is_written(obj, request, field, pattern):
 
 
 def clear(obj):
-    """Take away the pattern and the defects that were written for other faces; directions stay, as guidance."""
+    """Remove the pattern and defects of other faces; directions stay, as guidance."""
     for name in [a.name for a in obj.data.attributes if a.name.startswith(schema.PREFIX)]:
         if name != schema.DIRECTION.name:
             attributes.remove_attribute(obj, name)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers in solids, and what is made of them."""
+"""Layers in solids, and their outputs: files, tool paths and volumes."""

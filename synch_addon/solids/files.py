@@ -55,7 +55,7 @@ def export_layers(layering, path, together=False):
 
 
 def left_behind(path, written):
-    """Names of layer files that an earlier run has left beside those that were written, which they seem to continue."""
+    """Names of layer files of an earlier run that seem to continue the ones just written."""
     path, names = Path(path), {Path(file).name for file in written}
     pattern = re.compile(rf"{re.escape(path.stem)}_\d{{3,}}{re.escape(path.suffix)}")
     return sorted(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last solves of solids, kept while Blender runs: what is made of layers needs no other."""
+"""The latest solves of solids, kept while Blender runs, so that outputs of layers need no new solve."""
 
 from dataclasses import replace
 from uuid import uuid4

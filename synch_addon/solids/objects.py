@@ -50,7 +50,7 @@ def write_all(obj, layering, result, given, warn, spacing):
 
 
 def keep_made(obj):
-    """Before what was made for an object is given new data: where the work fails, each has its own again."""
+    """Restore the data of the objects made for an object if the work fails."""
     before = [(made, made.data, made.matrix_world.copy()) for made in _all_made(obj)]
 
     def give_back():
@@ -62,7 +62,7 @@ def keep_made(obj):
 
 
 def _leave_modes(obj):
-    """Bring what an earlier run has made for an object into object mode: elsewhere Blender gives it no new data."""
+    """Bring the objects of an earlier run into object mode: in other modes Blender gives them no new data."""
     active = bpy.context.view_layer.objects.active
     for made in _all_made(obj):
         if made.mode != "OBJECT" and active is not None and active.mode == made.mode:

@@ -28,7 +28,7 @@ _COLOR = (0.32, 0.62, 0.82, 1.0)
 
 
 def check_volume(path, resolution):
-    """Refuse what needs no layers to be found wrong: the file, the resolution, or a Blender without OpenVDB."""
+    """Check what does not depend on layers: the file, the resolution, and whether Blender has OpenVDB."""
     check_output(path, [".vdb"])
     if convert_value("resolution", int, resolution) < 2:
         raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")

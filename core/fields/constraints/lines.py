@@ -114,7 +114,7 @@ def meeting_ends(ends: np.ndarray) -> np.ndarray:
 
 
 def boundary_line(mesh: TriangleMesh, vertices: ArrayLike | None = None, edges: np.ndarray | None = None) -> Line:
-    """The boundary, or the part of it whose edges have both ends among (n,) bool ``vertices``.
+    """The boundary, or its edges with both ends among (n,) bool ``vertices``.
 
     Where ``edges`` are given, (k,) indices, these are the boundary. Raises :class:`SettingError` where it is empty.
     """

@@ -148,7 +148,7 @@ def test_layers_keep_to_the_heights_of_the_machine(tmp_path, capfd):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "block.blend"))
     (tmp_path / "printer.toml").write_text("scale = 100\nsmallest_height = 10\nlargest_height = 30\n")
     report = tmp_path / "report.json"
-    run = ["layers", str(tmp_path / "block.blend"), "--quiet", "--size", "0.1", "--groups", "Bottom=layer,Top=layer"]
+    run = ["layers", str(tmp_path / "block.blend"), "--quiet", "--size", "0.15", "--groups", "Bottom=layer,Top=layer"]
     run += ["--machine", str(tmp_path / "printer.toml"), "--report", str(report), "--spacing"]
     assert main.main([*run, "0.3"]) == 0
     found = json.loads(report.read_text())
