@@ -9,8 +9,9 @@ from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.fields import DirectionWishes, Row, direction_field, stripe_pattern
 from synch_fields.core.fields.constraints.lines import line_of_points, line_of_strokes
 from synch_fields.core.fields.patterns import PatternWishes, pattern_problem
+from synch_fields.core.solve import Options
 
-from ...direction_wishes import SPACING, along, cosines
+from ...direction_wishes import SPACING, along, chain, cosines
 from ...meshes import disk, square, subdivided
 
 
@@ -78,6 +79,21 @@ def test_rings_around_a_stroke_that_closes():
     near[row.line.nodes] = True
     expected = np.cos(2 * np.pi * (radius - 0.6) / 0.3)
     np.testing.assert_allclose(cosines(pattern)[near], expected[near], atol=0.01)
+
+
+def test_a_soft_stroke_counts_as_the_edges_that_it_runs_along():
+    """Held upright on the left, drawn by a stroke from side to side: each of its parts counts by its length."""
+    mesh = square(10)
+    x = mesh.vertices[:, 0]
+    held = Row(chain(mesh, x == 0), "along")
+    drawn = line_of_strokes(mesh, [segment(mesh, (0.999, 0.0), (0.999, 1.0))]), chain(mesh, x == 1)
+    assert [line.lengths.sum() for line in drawn] == pytest.approx([1, 1])
+    found = []
+    for line in drawn:
+        rows = held, Row(line, "angle", np.pi / 3, 2.0)
+        vectors = direction_field(mesh, 2, DirectionWishes(rows=rows), Options(target_gap=1e-5)).vectors[x == 1]
+        found.append(np.degrees(np.arctan2(vectors[:, 1], vectors[:, 0])).mean() % 180)
+    assert found[0] == pytest.approx(found[1], abs=3) and 100 < found[1] < 150
 
 
 def test_a_stroke_of_one_point_is_refused():
