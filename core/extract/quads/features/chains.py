@@ -48,12 +48,16 @@ class Chains:
     lines : (n,) line on which each vertex slides, -1 for none
     fixed : (n,) bool, vertices on corners
     followed : (l,) length of each line that chains follow
+    gaps : (l,) mean distance of the vertices on each line
+    groups : (n,) or one for all: vertices on a line hold back those of their own group only
     """
 
     features: FeatureLines
     lines: np.ndarray
     fixed: np.ndarray
     followed: np.ndarray
+    gaps: np.ndarray
+    groups: int | np.ndarray = 0
 
     @property
     def lost(self) -> np.ndarray:
@@ -62,9 +66,9 @@ class Chains:
         lost = lengths - self.followed
         return lost[lost > ROUNDING * lengths]
 
-    def of_vertices(self, which: np.ndarray) -> "Chains":
-        """The chains of a quad mesh with (k,) of the vertices."""
-        return replace(self, lines=self.lines[which], fixed=self.fixed[which])
+    def of_vertices(self, which: np.ndarray, groups: int | np.ndarray = 0) -> "Chains":
+        """The chains of a quad mesh with (k,) of the vertices, in groups."""
+        return replace(self, lines=self.lines[which], fixed=self.fixed[which], groups=groups)
 
     def edges(self, quads: QuadMesh) -> np.ndarray:
         """(e, 2) vertices of the quad mesh's edges that may lie on a line."""
@@ -117,7 +121,8 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
             edges, counts = quads.edges
             diagonals = _diagonals(quads)
         quads = move_vertices(quads, vertices, *features.at(number, ways))
-    return quads, Chains(features, lines, fixed, followed)
+    gaps = features.lengths / (1 + np.bincount(lines[lines >= 0], minlength=len(features.lines)))
+    return quads, Chains(features, lines, fixed, followed, gaps)
 
 
 def move_vertices(

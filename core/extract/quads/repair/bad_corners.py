@@ -6,6 +6,7 @@ corner there; where it forces one face too many, a narrow one. The faces around 
 smoothed, and the best one is taken.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from ....geometry import TriangleMesh
 from ..features.chains import Chains
 from ..measure.quality import corner_angles, worst_deviations
 from ..smooth.fitting import fit_quads, sliding_lines
-from ..smooth.patches import Ground
+from ..smooth.patches import Ground, faces_near
 from ..smooth.worst_corners import move_worst_corners
 from ..trace.quad_mesh import QuadMesh
 from .reconnections import Patch
@@ -164,47 +165,48 @@ def _improve(parts: list[_Part], mesh: TriangleMesh, chains: Chains | None) -> l
     before = [worst_deviations(part.quads) for part in parts]
     least = [_cost(offs, part.patch) - GAIN for offs, part in zip(before, parts, strict=True)]
     found: list[QuadMesh | None] = [None] * len(parts)
-    ways = [part.ways() for part in parts]
-    for rank in range(MOST):
-        trying = [number for number in range(len(parts)) if rank < len(ways[number])]
-        if not trying:
-            break
-        smoothed = _smooth(
-            [parts[number] for number in trying], [ways[number][rank] for number in trying], mesh, chains
-        )
-        for number, quads in zip(trying, smoothed, strict=True):
-            after = worst_deviations(quads)
-            cost = _cost(after, ways[number][rank])
-            if after.max() <= before[number].max() and cost < least[number]:
-                least[number], found[number] = cost, quads
+    trials = [(number, way) for number, part in enumerate(parts) for way in part.ways()]
+    for (number, way), quads in zip(trials, _smooth([(parts[k], way) for k, way in trials], mesh, chains), strict=True):
+        after = worst_deviations(quads)
+        cost = _cost(after, way)
+        if after.max() <= before[number].max() and cost < least[number]:
+            least[number], found[number] = cost, quads
     return found
 
 
-def _smooth(parts: list[_Part], ways: list[Patch], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh]:
-    """Parts with other faces, smoothed together; they have no vertex in common."""
-    ends = np.cumsum([len(part.vertices) for part in parts])
-    starts = ends - [len(part.vertices) for part in parts]
+def _smooth(trials: list[tuple[_Part, Patch]], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh]:
+    """Parts with other faces, smoothed at once; none depends on another."""
+    if not trials:
+        return []
+    parts, ways = zip(*trials, strict=True)
+    sizes, faces = [len(part.vertices) for part in parts], [len(way.faces) for way in ways]
+    starts = np.cumsum(sizes) - sizes
     together = QuadMesh(
         np.concatenate([part.quads.vertices for part in parts]),
         np.concatenate([part.quads.triangles for part in parts]),
         np.concatenate([part.quads.weights for part in parts]),
         np.concatenate([way.faces.ravel() + start for way, start in zip(ways, starts, strict=True)]),
-        np.full(sum(len(way.faces) for way in ways), 4),
+        np.full(sum(faces), 4),
     )
-    moving = np.concatenate([part.free & (way.valences > 0) for part, way in zip(parts, ways, strict=True)])
-    own = None if chains is None else chains.of_vertices(np.concatenate([part.vertices for part in parts]))
+    moving = np.concatenate([part.free & (way.valences > 0) for part, way in trials])
+    groups = np.repeat(np.arange(len(parts)), sizes)
+    own = None if chains is None else chains.of_vertices(np.concatenate([part.vertices for part in parts]), groups)
     together = fit_quads(together, mesh, moving, SMOOTHING, own)
-    ground = Ground(mesh, np.concatenate([part.below for part in parts]), together)
-    together = move_worst_corners(together, mesh, moving, own, ground)
+    near = [
+        faces_near(quads, part.below) + first
+        for quads, part, first in zip(_split(together, sizes, ways), parts, np.cumsum(faces) - faces, strict=True)
+    ]
+    ground = Ground(mesh, np.concatenate([part.below for part in parts]), together, np.concatenate(near))
+    return _split(move_worst_corners(together, mesh, moving, own, ground), sizes, ways)
+
+
+def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[QuadMesh]:
+    """Parts that were put together, with these numbers of vertices and these faces."""
+    ends = np.cumsum(sizes)[:-1]
+    arrays = (np.split(values, ends) for values in (together.vertices, together.triangles, together.weights))
     return [
-        QuadMesh(
-            together.vertices[start:end],
-            together.triangles[start:end],
-            together.weights[start:end],
-            way.faces.ravel(),
-            np.full(len(way.faces), 4),
-        )
-        for way, start, end in zip(ways, starts, ends, strict=True)
+        QuadMesh(*of_part, way.faces.ravel(), np.full(len(way.faces), 4))
+        for *of_part, way in zip(*arrays, ways, strict=True)
     ]
 
 
