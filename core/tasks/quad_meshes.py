@@ -171,7 +171,8 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     """
     quick = replace(request.smoothed(0), options=replace(request.options, method=FIRST), start=None)
     try:
-        directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
+        with keep_factors():
+            directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
         if quick.settings.faces:
             quick = _scale_spacing(quick, _first_factor(quick, directions))
         return finish(draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))

@@ -205,8 +205,8 @@ def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[
     ends = np.cumsum(sizes)[:-1]
     arrays = (np.split(values, ends) for values in (together.vertices, together.triangles, together.weights))
     return [
-        QuadMesh(*of_part, way.faces.ravel(), np.full(len(way.faces), 4))
-        for *of_part, way in zip(*arrays, ways, strict=True)
+        QuadMesh(places, triangles, weights, way.faces.ravel(), np.full(len(way.faces), 4))
+        for places, triangles, weights, way in zip(*arrays, ways, strict=True)
     ]
 
 
