@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mends corners of a quad mesh that moving vertices cannot mend.
+"""Mends corners of a quad mesh that moving vertices cannot mend, and joins irregular vertices.
 
 Where a line, the boundary or a disclination forces a vertex with one face too few on a side, that face has a straight
 corner there; where it forces one face too many, a narrow one. The faces around are reconnected in several ways, each is
-smoothed, and the best one is taken.
+smoothed, and the best one is taken. Then the same is tried where a face has several irregular vertices, with ways that
+leave fewer.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
+from ....graphs import ragged_arange
 from ..features.chains import Chains
 from ..measure.quality import corner_angles, worst_deviations
 from ..smooth.fitting import fit_quads, sliding_lines
@@ -23,14 +26,14 @@ from .reconnections import Patch
 
 # Deviation from a right angle, in degrees, above which a corner is bad, and below which it is good.
 BAD, GOOD = 60.0, 45.0
-# What an irregular vertex costs, and by how much a patch must improve, in degrees beyond good corners.
+# What an irregular vertex costs, and by how much a patch must improve at bad corners, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
 # Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
 RINGS, SMOOTHING = 2, 5
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
 MOST = 3
-# Rounds over all bad faces.
-ROUNDS = 6
+# Most rounds over all bad faces, and over all faces with several irregular vertices.
+ROUNDS, IRREGULAR_ROUNDS = 6, 3
 
 
 def mend_bad_corners(
@@ -47,22 +50,33 @@ def mend_bad_corners(
     chains : on whose lines vertices slide
     apart : vertices that no new edge may join to one another
     """
-    given, tried = quads, set[tuple[int, bytes, bytes]]()
-    alone = np.isin(np.arange(len(free)), np.asarray(apart, int))
-    for _ in range(ROUNDS):
-        around, changed = _Surroundings.of(quads, mesh, free, chains, alone), np.zeros(len(quads.vertices), bool)
-        parts: list[_Part] = []
-        for number in _bad_faces(quads):
-            part = around.part(number)
-            if part is not None and part.key not in tried and not changed[part.vertices].any():
+    given, alone = quads, np.isin(np.arange(len(free)), np.asarray(apart, int))
+    at_corners, at_vertices = (
+        (_bad_faces, _Part.ways, GAIN, ROUNDS),
+        (_irregular_faces, _Part.regular_ways, 0.0, IRREGULAR_ROUNDS),
+    )
+    for find, ways_of, gain, rounds in (at_corners, at_vertices):
+        tried = set[tuple[int, bytes, bytes]]()
+        for _ in range(rounds):
+            around, changed = _Surroundings.of(quads, mesh, free, chains, alone), np.zeros(len(quads.vertices), bool)
+            parts: list[_Part] = []
+            ways: list[list[Patch]] = []
+            for number in find(quads):
+                part = around.part(number)
+                if part is None or part.key in tried or changed[part.vertices].any():
+                    continue
+                if not (found := ways_of(part)):
+                    tried.add(part.key)
+                    continue
                 changed[part.vertices] = True
                 parts.append(part)
-        if not parts:
-            break
-        better = _improve(parts, mesh, chains)
-        tried |= {part.key for part, new in zip(parts, better, strict=True) if new is None}
-        done = [(part, new) for part, new in zip(parts, better, strict=True) if new is not None]
-        quads = _put_in(quads, done) if done else quads
+                ways.append(found)
+            if not parts:
+                break
+            better = _improve(parts, ways, gain, mesh, chains)
+            tried |= {part.key for part, new in zip(parts, better, strict=True) if new is None}
+            done = [(part, new) for part, new in zip(parts, better, strict=True) if new is not None]
+            quads = _put_in(quads, done) if done else quads
     if quads is given:
         return quads, np.arange(len(free))
     return quads.with_faces(quads.corner_vertices, quads.sizes), np.unique(quads.corner_vertices)
@@ -73,6 +87,13 @@ def _bad_faces(quads: QuadMesh) -> list[int]:
     offs = worst_deviations(quads)
     bad = np.flatnonzero((offs > BAD) & (quads.sizes == 4))
     return bad[np.argsort(-offs[bad], kind="stable")].tolist()
+
+
+def _irregular_faces(quads: QuadMesh) -> list[int]:
+    """Quads with several irregular vertices inside the mesh, those with most first."""
+    numbers = np.bincount(quads.corner_faces, quads.is_irregular[quads.corner_vertices])
+    several = np.flatnonzero((numbers > 1) & (quads.sizes == 4))
+    return several[np.argsort(-numbers[several], kind="stable")].tolist()
 
 
 @dataclass(frozen=True)
@@ -113,7 +134,18 @@ class _Part:
             or len(way.faces) < len(self.patch.faces)
             or way.valences[worst] == self.patch.valences[worst] + wanted
         ]
-        return sorted(fitting, key=lambda way: int((way.surpluses**2).sum()))[:MOST]
+        return _most_regular(fitting)
+
+    def regular_ways(self) -> list[Patch]:
+        """Ways to reconnect the face that leave fewer irregular vertices."""
+        number = np.count_nonzero(self.patch.surpluses)
+        ways = self.patch.reconnected(self.bad)
+        return _most_regular([way for way in ways if np.count_nonzero(way.surpluses) < number])
+
+
+def _most_regular(ways: list[Patch]) -> list[Patch]:
+    """The :data:`MOST` patches with the most regular vertices, these first."""
+    return sorted(ways, key=lambda way: int((way.surpluses**2).sum()))[:MOST]
 
 
 @dataclass(frozen=True)
@@ -143,33 +175,73 @@ class _Surroundings:
 
     def part(self, number: int) -> _Part | None:
         """The faces around a bad one; None if some are no quads."""
-        quads = self.quads
-        of_corners, corners = quads.corner_faces, quads.corner_vertices
-        inside = np.arange(len(quads.sizes)) == number
-        near = np.zeros(len(quads.vertices), bool)
+        quads, corners = self.quads, self.quads.corner_vertices
+        inside = np.array([number])
         for _ in range(RINGS):
-            near[corners[inside[of_corners]]] = True
-            inside[of_corners[near[corners]]] = True
+            inside = self._at_vertices(np.unique(corners[self._corners_of(inside)]))
         if (quads.sizes[inside] != 4).any():
             return None
-        part, vertices, faces = quads.only(inside), np.unique(corners[inside[of_corners]]), np.flatnonzero(inside)
-        patch = self.patch.of_vertices(part.corner_vertices.reshape(-1, 4), vertices)
-        free = self.free.copy()
-        free[corners[~inside[of_corners]]] = False
-        below = self.ground.samples[inside[self.ground.near[:, 0]]]
-        return _Part(part, patch, faces, vertices, free[vertices], int(np.searchsorted(faces, number)), below)
+        vertices, own = np.unique(corners[self._corners_of(inside)], return_inverse=True)
+        faces = own.reshape(-1, 4)
+        part = QuadMesh(
+            quads.vertices[vertices], quads.triangles[vertices], quads.weights[vertices], own, quads.sizes[inside]
+        )
+        patch = self.patch.of_vertices(faces, vertices)
+        # Vertices with faces outside stay.
+        free = self.free[vertices] & (np.bincount(own) == np.diff(self._starts)[vertices])
+        rows, places = ragged_arange(np.diff(self._first_samples)[inside])
+        below = self.ground.samples[self._samples[self._first_samples[inside][rows] + places]]
+        return _Part(part, patch, inside, vertices, free, int(np.searchsorted(inside, number)), below)
+
+    def _corners_of(self, faces: np.ndarray) -> np.ndarray:
+        """(c,) corners of (f,) faces, face by face."""
+        rows, places = ragged_arange(self.quads.sizes[faces])
+        return self._first_corners[faces][rows] + places
+
+    def _at_vertices(self, vertices: np.ndarray) -> np.ndarray:
+        """(f,) ascending faces at some vertices."""
+        rows, places = ragged_arange(np.diff(self._starts)[vertices])
+        return np.unique(self._faces[self._starts[vertices][rows] + places])
+
+    @cached_property
+    def _first_corners(self) -> np.ndarray:
+        """(f,) first corner of each face."""
+        return self.quads.starts
+
+    @cached_property
+    def _faces(self) -> np.ndarray:
+        """(c,) face of each corner, in the order of the corners' vertices."""
+        return self.quads.corner_faces[np.argsort(self.quads.corner_vertices, kind="stable")]
+
+    @cached_property
+    def _starts(self) -> np.ndarray:
+        """(n + 1,) where the faces of each vertex begin in :attr:`_faces`, and their number."""
+        return np.cumsum([0, *np.bincount(self.quads.corner_vertices, minlength=len(self.quads.vertices))])
+
+    @cached_property
+    def _samples(self) -> np.ndarray:
+        """(s,) samples of the surface in the order of the nearest faces."""
+        return np.argsort(self.ground.near[:, 0], kind="stable")
+
+    @cached_property
+    def _first_samples(self) -> np.ndarray:
+        """(f + 1,) where the samples of each face begin in :attr:`_samples`, and their number."""
+        return np.cumsum([0, *np.bincount(self.ground.near[:, 0], minlength=len(self.quads.sizes))])
 
 
-def _improve(parts: list[_Part], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh | None]:
-    """Each part, reconnected and smoothed, with the best corners; None if it does not improve enough."""
+def _improve(
+    parts: list[_Part], ways: list[list[Patch]], gain: float, mesh: TriangleMesh, chains: Chains | None
+) -> list[QuadMesh | None]:
+    """Each part, reconnected in one of some ways and smoothed, at the least cost; None if it gains too little, or its
+    worst corner gets worse and is not good."""
     before = [worst_deviations(part.quads) for part in parts]
-    least = [_cost(offs, part.patch) - GAIN for offs, part in zip(before, parts, strict=True)]
+    least = [_cost(offs, part.patch) - gain for offs, part in zip(before, parts, strict=True)]
     found: list[QuadMesh | None] = [None] * len(parts)
-    trials = [(number, way) for number, part in enumerate(parts) for way in part.ways()]
+    trials = [(number, way) for number, own in enumerate(ways) for way in own]
     for (number, way), quads in zip(trials, _smooth([(parts[k], way) for k, way in trials], mesh, chains), strict=True):
         after = worst_deviations(quads)
         cost = _cost(after, way)
-        if after.max() <= before[number].max() and cost < least[number]:
+        if after.max() <= max(before[number].max(), GOOD) and cost < least[number]:
             least[number], found[number] = cost, quads
     return found
 
@@ -212,7 +284,7 @@ def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[
 
 def _cost(offs: np.ndarray, patch: Patch) -> float:
     """Degrees by which faces are worse than good ones, and what irregular vertices cost."""
-    return float(np.maximum(offs - GOOD, 0).sum()) + IRREGULAR * int((patch.surpluses != 0).sum())
+    return float(np.maximum(offs - GOOD, 0).sum()) + IRREGULAR * np.count_nonzero(patch.surpluses)
 
 
 def _put_in(quads: QuadMesh, parts: list[tuple[_Part, QuadMesh]]) -> QuadMesh:
