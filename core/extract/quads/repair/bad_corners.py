@@ -19,8 +19,8 @@ from ....graphs import ragged_arange
 from ..features.chains import Chains
 from ..measure.quality import corner_angles, worst_deviations
 from ..smooth.fitting import fit_quads, sliding_lines
-from ..smooth.patches import Ground, faces_near
-from ..smooth.worst_corners import move_worst_corners
+from ..smooth.patches import Ground, faces_near, squares_to_faces
+from ..smooth.worst_corners import NEAR, move_worst_corners
 from ..trace.quad_mesh import QuadMesh
 from .reconnections import Patch
 
@@ -232,8 +232,11 @@ class _Surroundings:
 def _improve(
     parts: list[_Part], ways: list[list[Patch]], gain: float, mesh: TriangleMesh, chains: Chains | None
 ) -> list[QuadMesh | None]:
-    """Each part, reconnected in one of some ways and smoothed, at the least cost; None if it gains too little, or its
-    worst corner gets worse and is not good."""
+    """Each part, reconnected in one of some ways and smoothed, at the least cost.
+
+    None if it gains too little, if its worst corner gets worse and is not good, or, with a gain of 0, if it gets
+    farther from the surface.
+    """
     before = [worst_deviations(part.quads) for part in parts]
     least = [_cost(offs, part.patch) - gain for offs, part in zip(before, parts, strict=True)]
     found: list[QuadMesh | None] = [None] * len(parts)
@@ -241,7 +244,8 @@ def _improve(
     for (number, way), quads in zip(trials, _smooth([(parts[k], way) for k, way in trials], mesh, chains), strict=True):
         after = worst_deviations(quads)
         cost = _cost(after, way)
-        if after.max() <= max(before[number].max(), GOOD) and cost < least[number]:
+        is_good = after.max() <= max(before[number].max(), GOOD) and cost < least[number]
+        if is_good and (gain > 0 or _keeps_shape(parts[number], quads)):
             least[number], found[number] = cost, quads
     return found
 
@@ -280,6 +284,17 @@ def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[
         QuadMesh(places, triangles, weights, way.faces.ravel(), np.full(len(way.faces), 4))
         for places, triangles, weights, way in zip(*arrays, ways, strict=True)
     ]
+
+
+def _keeps_shape(part: _Part, quads: QuadMesh) -> bool:
+    """Whether a part is as near to the surface below with other faces, or nearer than :data:`NEAR`."""
+    return _farthest(quads, part.below) <= max(_farthest(part.quads, part.below), NEAR * part.quads.edge_lengths.mean())
+
+
+def _farthest(quads: QuadMesh, points: np.ndarray) -> float:
+    """The largest distance of points from a quad mesh."""
+    middles, near = quads.middles(quads.vertices), faces_near(quads, points)
+    return float(np.sqrt(squares_to_faces(quads, quads.vertices, middles, points, near).max(initial=0)))
 
 
 def _cost(offs: np.ndarray, patch: Patch) -> float:

@@ -95,12 +95,12 @@ class Ground:
         np.maximum.at(result, labels, np.linalg.norm(self.mesh.finder.nearby(here)[0] - here, axis=1))
         points, labels, near = below
         wanted = wanted[labels]
-        squares = _squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
+        squares = squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
         np.maximum.at(result, labels[wanted], np.sqrt(squares))
         return result
 
 
-def _squares_to_faces(
+def squares_to_faces(
     quads: QuadMesh, vertices: np.ndarray, middles: np.ndarray, points: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
     """(s,) squared distances of points to the nearest of (s, k) faces each, divided into triangles at their middles."""
