@@ -126,19 +126,20 @@ def remove_holonomy(
     return CurlRemoval(correction - flow @ found, found)
 
 
-def varying_part(
+def remove_varying(
     circulation: Circulation, holonomy: np.ndarray, weights: np.ndarray, length: float, known: np.ndarray | None = None
 ) -> np.ndarray:
-    """(s,) the part of a holonomy h that varies over less than about a length: h - A (A + length^2 C W^-1 C^T)^-1 h.
+    """(c,) correction that takes out of a holonomy h what varies over less than about a length.
 
-    A are the areas; other arguments as of :func:`remove_holonomy`.
+    With L = C W^-1 C^T and the areas A that is h - A (A + length^2 L)^-1 h = L y with multipliers
+    y = length^2 (A + length^2 L)^-1 h. Changes known from constraints stay; arguments as of :func:`remove_holonomy`.
     """
     flow = diags_array(_inverse_weights(weights, known)) @ circulation.matrix.T
     laplacian = (circulation.matrix @ flow).tocsr()
     # Where all changes are known the Laplacian is 0, and areas may be 0, too: the shift keeps the matrix definite.
     shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
     smoothing = (diags_array(circulation.areas + shift) + length**2 * laplacian).tocsr()
-    return holonomy - circulation.areas * solve_definite(smoothing, holonomy)
+    return -(length**2) * (flow @ solve_definite(smoothing, holonomy))
 
 
 def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:

@@ -26,7 +26,7 @@ from ..solve.warm_start import Follower
 from .animation import carry_angles, nearest_representatives, next_solution
 from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
-from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation, varying_part
+from .curl_removal import CurlRemoval, check_share, known_turns, remove_holonomy, remove_varying, surface_circulation
 from .evenness import quantiles
 from .guidance.curvature import principal_directions
 from .guidance.guides import Guide, blend_guides
@@ -252,9 +252,7 @@ def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, know
         if known is not None:
             correction = np.where(np.isnan(known), correction, known)
         curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
-        part = varying_part(circulation, curvature, mesh.weights, wishes.detail, known)
-        rest = None if known is None else known - correction
-        correction += remove_holonomy(circulation, part, mesh.weights, rest).correction
+        correction += remove_varying(circulation, curvature, mesh.weights, wishes.detail, known)
     if not wishes.pins:
         return correction
     if not all(mirror.has_image_of_each(mesh, wishes.pins) for mirror in wishes.mirrors):

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..unit_vectors import cross
 from .triangle_mesh import TriangleMesh
 
 
@@ -16,4 +17,4 @@ def barycentric(mesh: TriangleMesh, triangles: np.ndarray, places: np.ndarray) -
 
 
 def _double_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    return np.einsum("ij,ij->i", np.cross(b - a, c - a), normals)
+    return np.einsum("ij,ij->i", cross(b - a, c - a), normals)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..errors import MeshError
+from ..unit_vectors import cross
 
 # Number of boxes in a larger one.
 BRANCHES = 4
@@ -114,7 +115,7 @@ class NearestTriangles:
     def _normals(self) -> np.ndarray:
         """(m, 3) vectors along the normals of triangles."""
         a, b, c = self._corners
-        return np.cross(b - a, c - a)
+        return cross(b - a, c - a)
 
     def nearby(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As :meth:`nearest` in a third of the time, on the nearest of :data:`NEARBY` triangles: seldom another."""
@@ -203,9 +204,9 @@ def nearest_in_triangles(points: ArrayLike, corners: Sequence[np.ndarray] | np.n
     # Coordinates come first, so that NumPy's inner loops run along the triangles.
     point, a, b, c = (_by_component(places) for places in (points, *corners))
     ab, ac, ap = b - a, c - a, point - a
-    aa, bb, cross = _product(ab, ab), _product(ac, ac), _product(ab, ac)
+    aa, bb, mixed = _product(ab, ab), _product(ac, ac), _product(ab, ac)
     d1, d2 = _product(ab, ap), _product(ac, ap)
-    d3, d4, d5, d6 = d1 - aa, d2 - cross, d1 - cross, d2 - bb
+    d3, d4, d5, d6 = d1 - aa, d2 - mixed, d1 - mixed, d2 - bb
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     to_b, to_c = d4 - d3, d5 - d6
     total = va + vb + vc

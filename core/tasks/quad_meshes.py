@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
+# Ratio of spacings, one with too many faces and one with too few, below which no others between them are tried.
+NARROW = 1.008
 # Share of unsound faces beyond which other spacings with about as many faces are not tried.
 HOPELESS = 0.02
 # Largest ratio of the wanted to the found number of faces that a correction of the spacing relies on.
@@ -171,7 +173,8 @@ def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     """
     quick = replace(request.smoothed(0), options=replace(request.options, method=FIRST), start=None)
     try:
-        directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
+        with keep_factors():
+            directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
         if quick.settings.faces:
             quick = _scale_spacing(quick, _first_factor(quick, directions))
         return finish(draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
@@ -215,6 +218,8 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
     for number in range(TRIES):
         if number >= ENOUGH and min((draft.misses(wanted) for draft in drafts), default=np.inf) <= FAR:
             break
+        if spacing.is_settled:
+            break
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
         try:
@@ -226,7 +231,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             if traced > SPOILT * FEW:
                 drafts.pop()
                 count = traced
-            elif drafts[-1].misses(wanted) <= NEAR:
+            elif draft.misses(wanted) <= NEAR or (traced and abs(draft.finished_count / faces - 1) <= NEAR):
                 draft = settle(drafts.pop())
                 expected = faces if request.settings.loops else draft.finished_count
                 if abs(expected / faces - 1) <= NEAR:
@@ -306,6 +311,11 @@ class _SpacingFactor:
         proportional = self.factor * float(np.sqrt(np.clip(count / self._faces, 1 / MOST_CHANGE, MOST_CHANGE)))
         low, high = self._bounds
         self.factor = float(np.sqrt(low * high)) if low > 0 and np.isfinite(high) else proportional
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether factors that give too many faces and too few are so near each other that the number jumps there."""
+        return self._bounds[1] < NARROW * self._bounds[0]
 
     def be_smaller(self) -> None:
         """Reduce the factor, which has given quads that are too large for a mesh."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finishes a traced quad mesh: puts it onto sharp edges, makes all faces quads if asked, and smooths it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,7 @@ def finish_quads(
     rounds: int,
     only_quads: bool = False,
     closes_tunnels: bool = False,
-    apart: ArrayLike = (),
+    apart: Callable[[QuadMesh], np.ndarray] | None = None,
 ) -> QuadMesh:
     """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
 
@@ -47,16 +47,17 @@ def finish_quads(
     rounds : number of smoothing steps
     only_quads : whether all faces become quads
     closes_tunnels : whether handles of a closed surface may be lost
-    apart : vertices that no new edge may join to one another
+    apart : tells the (n,) bool vertices of a quad mesh that no new edge may join to one another
 
     Errors as :func:`check_quads`.
     """
     check_quads(quads, mesh, closes_tunnels)
+    alone = () if apart is None else np.flatnonzero(apart(quads))
     features, chains = _feature_lines(mesh, rows), None
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), apart)
+        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), alone)
         if features is not None and quads is not followed:
             quads, chains = follow_features(quads, features)
     if only_quads and (quads.sizes == 4).all():
@@ -73,9 +74,8 @@ def finish_quads(
     free, loose = _free(quads, mesh, rows, chains)
     quads = fit_quads(quads, mesh, loose, rounds, chains)
     quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
-    edges, counts = quads.edges
-    rim = np.unique(edges[counts == 1]) if np.size(apart) else ()
-    quads, kept = mend_bad_corners(quads, mesh, free, chains, rim)
+    alone = () if apart is None else np.flatnonzero(apart(quads))
+    quads, kept = mend_bad_corners(quads, mesh, free, chains, alone)
     return part_vertices(quads, mesh, ~free[kept])
 
 

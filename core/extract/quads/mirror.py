@@ -110,8 +110,11 @@ class MirrorSide:
     ) -> QuadMesh:
         """The quad mesh of the whole surface, of a traced one of the part; see :func:`finish_quads`."""
         own = [self._row(row) for row in rows]
-        apart = np.flatnonzero(self._vertices_on_planes(quads).any(axis=1))
-        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, closes_tunnels, apart)
+
+        def on_a_plane(quads: QuadMesh) -> np.ndarray:
+            return self._vertices_on_planes(quads).any(axis=1)
+
+        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, closes_tunnels, on_a_plane)
         quads = _without_tips(quads, self._vertices_on_planes(quads))
         on_planes = self._vertices_on_planes(quads)
         for k, unit in enumerate(self.units):

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from ....fields.constraints.features import quads_around
 from ....geometry import TriangleMesh
+from ....graphs import ragged_arange
 from ..trace.boundary_graph import vertex_places
 from ..trace.quad_mesh import SHORTEST, QuadMesh
 from .feature_lines import FeatureLines
@@ -48,12 +49,16 @@ class Chains:
     lines : (n,) line on which each vertex slides, -1 for none
     fixed : (n,) bool, vertices on corners
     followed : (l,) length of each line that chains follow
+    gaps : (l,) mean distance of the vertices on each line
+    groups : (n,) or one for all: vertices on a line hold back those of their own group only
     """
 
     features: FeatureLines
     lines: np.ndarray
     fixed: np.ndarray
     followed: np.ndarray
+    gaps: np.ndarray
+    groups: int | np.ndarray = 0
 
     @property
     def lost(self) -> np.ndarray:
@@ -62,9 +67,9 @@ class Chains:
         lost = lengths - self.followed
         return lost[lost > ROUNDING * lengths]
 
-    def of_vertices(self, which: np.ndarray) -> "Chains":
-        """The chains of a quad mesh with (k,) of the vertices."""
-        return replace(self, lines=self.lines[which], fixed=self.fixed[which])
+    def of_vertices(self, which: np.ndarray, groups: int | np.ndarray = 0) -> "Chains":
+        """The chains of a quad mesh with (k,) of the vertices, in groups."""
+        return replace(self, lines=self.lines[which], fixed=self.fixed[which], groups=groups)
 
     def edges(self, quads: QuadMesh) -> np.ndarray:
         """(e, 2) vertices of the quad mesh's edges that may lie on a line."""
@@ -91,14 +96,16 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
     quads = move_vertices(quads, at, features.mesh.vertices[corners], *vertex_places(features.mesh, corners))
     tree, pieces = cKDTree(quads.vertices), _pieces(quads, features.mesh)
     followed, diagonals = features.lengths.copy(), _diagonals(quads) if cut else edges[:0]
+    passages = [_Passages(part, len(taken)) for part in (edges[counts == 1], edges[counts != 1], diagonals)]
     for number in np.argsort(~features.on_boundary, kind="stable").tolist():
-        usable = edges[(counts == 1) == features.on_boundary[number]]
-        made = diagonals[: 0 if features.on_boundary[number] else None]
         line = features.lines[number]
         reach = LINE_REACH * side + features.lengths[number] / len(line)
         close = np.zeros(len(taken), bool)
         close[np.concatenate(tree.query_ball_point(features.mesh.vertices[line], reach)).astype(int)] = True
         near = np.flatnonzero(close & ~taken & (pieces == features.mesh.pieces[line[0]]))
+        ends = [at_corner[int(corner)] for corner in line[[0, -1]] if int(corner) in at_corner]
+        between = [part.between(np.union1d(near, ends).astype(int)) for part in passages]
+        usable, made = (between[0], edges[:0]) if features.on_boundary[number] else between[1:]
         ways, apart = np.full(len(taken), np.nan), np.full(len(taken), np.inf)
         ways[near], apart[near] = features.nearest(number, quads.vertices[near])
         chain = _chain(quads, features, number, side, (usable, made), at_corner, (ways, apart), on_rim)
@@ -115,9 +122,26 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
         if len(cuts):
             quads = with_cuts
             edges, counts = quads.edges
-            diagonals = _diagonals(quads)
+            passages = [
+                _Passages(part, len(taken)) for part in (edges[counts == 1], edges[counts != 1], _diagonals(quads))
+            ]
         quads = move_vertices(quads, vertices, *features.at(number, ways))
-    return quads, Chains(features, lines, fixed, followed)
+    gaps = features.lengths / (1 + np.bincount(lines[lines >= 0], minlength=len(features.lines)))
+    return quads, Chains(features, lines, fixed, followed, gaps)
+
+
+class _Passages:
+    """(e, 2) edges or diagonals of a quad mesh with some number of vertices, found from their ends."""
+
+    def __init__(self, ends: np.ndarray, count: int) -> None:
+        self._ends, self._order = ends, np.argsort(ends, axis=None, kind="stable")
+        self._starts = np.searchsorted(ends.ravel()[self._order], np.arange(count + 1))
+
+    def between(self, vertices: np.ndarray) -> np.ndarray:
+        """(k, 2) those with both ends among (v,) ascending vertices, in their order."""
+        rows, places = ragged_arange(self._starts[vertices + 1] - self._starts[vertices])
+        found, counts = np.unique(self._order[self._starts[vertices][rows] + places] // 2, return_counts=True)
+        return self._ends[found[counts == 2]]
 
 
 def move_vertices(

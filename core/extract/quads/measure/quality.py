@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ....unit_vectors import cross
 from ..trace.quad_mesh import QuadMesh
 
 # A corner may turn so many degrees beyond 180 and still be straight: its vertex lies on a boundary.
@@ -37,7 +38,7 @@ def quality(quads: QuadMesh) -> dict[str, float]:
 def corner_angles(quads: QuadMesh) -> np.ndarray:
     """(c,) degrees inside the faces, up to 360, seen along the normal of each whole face."""
     ahead, behind = _sides(quads)
-    across = np.linalg.norm(np.cross(ahead, behind), axis=1)
+    across = np.linalg.norm(cross(ahead, behind), axis=1)
     angles = np.degrees(np.arctan2(across, np.einsum("ij,ij->i", ahead, behind)))
     return np.where(_looks_away(quads), 360 - angles, angles)
 
@@ -64,6 +65,6 @@ def _is_folded(quads: QuadMesh) -> np.ndarray:
 
 def _looks_away(quads: QuadMesh) -> np.ndarray:
     """(c,) bool: corners whose normal is opposed to their face's."""
-    normals = np.cross(*_sides(quads))
+    normals = cross(*_sides(quads))
     sums = np.add.reduceat(normals, quads.starts)
     return np.einsum("cx,cx->c", normals, sums[quads.corner_faces]) < 0

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
+from ....unit_vectors import cross
 from ..trace.quad_mesh import QuadMesh
 
 # Most corners of a polygon that is divided again: the work grows with their fourth power.
@@ -248,12 +249,11 @@ def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _C
         [({a, b} <= faces.apart or (a, b) in faces.left) and (a, b) not in inside for b in polygon] for a in polygon
     ]
 
-    @cache
-    def corner(before: int, at: int, after: int) -> float:
-        ahead, behind = points[after] - points[at], points[before] - points[at]
-        cross = np.cross(ahead, behind)
-        angle = np.arctan2(np.linalg.norm(cross), ahead @ behind)
-        return float((angle / (np.pi / 2) - 1) ** 2 + TURNED * (cross @ up[at] <= 0))
+    # Costs by the corners before, at and after.
+    away = points[:, None] - points
+    across = cross(away.swapaxes(0, 1)[None], away[:, :, None])
+    angles = np.arctan2(np.linalg.norm(across, axis=3), np.einsum("bax,cax->bac", away, away))
+    corners = (angles / (np.pi / 2) - 1) ** 2 + TURNED * (np.einsum("bacx,ax->bac", across, up) <= 0)
 
     @cache
     def best(i: int, j: int) -> tuple[float, _Cut]:
@@ -268,7 +268,7 @@ def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _C
                 parts = best(i, k), best(k, m), best(m, j)
                 cost = sum(part[0] for part in parts)
                 if cost < found[0]:
-                    cost += corner(j, i, k) + corner(i, k, m) + corner(k, m, j) + corner(m, j, i)
+                    cost += float(corners[[j, i, k, m], [i, k, m, j], [k, m, j, i]].sum())
                 if cost < found[0]:
                     found = cost, (*parts[0][1], *parts[1][1], *parts[2][1], (i, k, m, j))
         return found

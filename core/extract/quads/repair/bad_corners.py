@@ -1,35 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mends corners of a quad mesh that moving vertices cannot mend.
+"""Mends corners of a quad mesh that moving vertices cannot mend, and joins irregular vertices.
 
 Where a line, the boundary or a disclination forces a vertex with one face too few on a side, that face has a straight
 corner there; where it forces one face too many, a narrow one. The faces around are reconnected in several ways, each is
-smoothed, and the best one is taken.
+smoothed, and the best one is taken. Then the same is tried where a face has several irregular vertices, with ways that
+leave fewer.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
+from ....graphs import ragged_arange
 from ..features.chains import Chains
 from ..measure.quality import corner_angles, worst_deviations
 from ..smooth.fitting import fit_quads, sliding_lines
-from ..smooth.patches import Ground
-from ..smooth.worst_corners import move_worst_corners
+from ..smooth.patches import Ground, faces_near, squares_to_faces
+from ..smooth.worst_corners import NEAR, move_worst_corners
 from ..trace.quad_mesh import QuadMesh
 from .reconnections import Patch
 
 # Deviation from a right angle, in degrees, above which a corner is bad, and below which it is good.
 BAD, GOOD = 60.0, 45.0
-# What an irregular vertex costs, and by how much a patch must improve, in degrees beyond good corners.
+# What an irregular vertex costs, and by how much a patch must improve at bad corners, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
 # Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
 RINGS, SMOOTHING = 2, 5
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
 MOST = 3
-# Rounds over all bad faces.
-ROUNDS = 6
+# Most rounds over all bad faces, and over all faces with several irregular vertices.
+ROUNDS, IRREGULAR_ROUNDS = 6, 3
 
 
 def mend_bad_corners(
@@ -46,22 +50,33 @@ def mend_bad_corners(
     chains : on whose lines vertices slide
     apart : vertices that no new edge may join to one another
     """
-    given, tried = quads, set[tuple[int, bytes, bytes]]()
-    alone = np.isin(np.arange(len(free)), np.asarray(apart, int))
-    for _ in range(ROUNDS):
-        around, changed = _Surroundings.of(quads, mesh, free, chains, alone), np.zeros(len(quads.vertices), bool)
-        parts: list[_Part] = []
-        for number in _bad_faces(quads):
-            part = around.part(number)
-            if part is not None and part.key not in tried and not changed[part.vertices].any():
+    given, alone = quads, np.isin(np.arange(len(free)), np.asarray(apart, int))
+    at_corners, at_vertices = (
+        (_bad_faces, _Part.ways, GAIN, ROUNDS),
+        (_irregular_faces, _Part.regular_ways, 0.0, IRREGULAR_ROUNDS),
+    )
+    for find, ways_of, gain, rounds in (at_corners, at_vertices):
+        tried = set[tuple[int, bytes, bytes]]()
+        for _ in range(rounds):
+            around, changed = _Surroundings.of(quads, mesh, free, chains, alone), np.zeros(len(quads.vertices), bool)
+            parts: list[_Part] = []
+            ways: list[list[Patch]] = []
+            for number in find(quads):
+                part = around.part(number)
+                if part is None or part.key in tried or changed[part.vertices].any():
+                    continue
+                if not (found := ways_of(part)):
+                    tried.add(part.key)
+                    continue
                 changed[part.vertices] = True
                 parts.append(part)
-        if not parts:
-            break
-        better = _improve(parts, mesh, chains)
-        tried |= {part.key for part, new in zip(parts, better, strict=True) if new is None}
-        done = [(part, new) for part, new in zip(parts, better, strict=True) if new is not None]
-        quads = _put_in(quads, done) if done else quads
+                ways.append(found)
+            if not parts:
+                break
+            better = _improve(parts, ways, gain, mesh, chains)
+            tried |= {part.key for part, new in zip(parts, better, strict=True) if new is None}
+            done = [(part, new) for part, new in zip(parts, better, strict=True) if new is not None]
+            quads = _put_in(quads, done) if done else quads
     if quads is given:
         return quads, np.arange(len(free))
     return quads.with_faces(quads.corner_vertices, quads.sizes), np.unique(quads.corner_vertices)
@@ -72,6 +87,13 @@ def _bad_faces(quads: QuadMesh) -> list[int]:
     offs = worst_deviations(quads)
     bad = np.flatnonzero((offs > BAD) & (quads.sizes == 4))
     return bad[np.argsort(-offs[bad], kind="stable")].tolist()
+
+
+def _irregular_faces(quads: QuadMesh) -> list[int]:
+    """Quads with several irregular vertices inside the mesh, those with most first."""
+    numbers = np.bincount(quads.corner_faces, quads.is_irregular[quads.corner_vertices])
+    several = np.flatnonzero((numbers > 1) & (quads.sizes == 4))
+    return several[np.argsort(-numbers[several], kind="stable")].tolist()
 
 
 @dataclass(frozen=True)
@@ -112,7 +134,18 @@ class _Part:
             or len(way.faces) < len(self.patch.faces)
             or way.valences[worst] == self.patch.valences[worst] + wanted
         ]
-        return sorted(fitting, key=lambda way: int((way.surpluses**2).sum()))[:MOST]
+        return _most_regular(fitting)
+
+    def regular_ways(self) -> list[Patch]:
+        """Ways to reconnect the face that leave fewer irregular vertices."""
+        number = np.count_nonzero(self.patch.surpluses)
+        ways = self.patch.reconnected(self.bad)
+        return _most_regular([way for way in ways if np.count_nonzero(way.surpluses) < number])
+
+
+def _most_regular(ways: list[Patch]) -> list[Patch]:
+    """The :data:`MOST` patches with the most regular vertices, these first."""
+    return sorted(ways, key=lambda way: int((way.surpluses**2).sum()))[:MOST]
 
 
 @dataclass(frozen=True)
@@ -142,75 +175,131 @@ class _Surroundings:
 
     def part(self, number: int) -> _Part | None:
         """The faces around a bad one; None if some are no quads."""
-        quads = self.quads
-        of_corners, corners = quads.corner_faces, quads.corner_vertices
-        inside = np.arange(len(quads.sizes)) == number
-        near = np.zeros(len(quads.vertices), bool)
+        quads, corners = self.quads, self.quads.corner_vertices
+        inside = np.array([number])
         for _ in range(RINGS):
-            near[corners[inside[of_corners]]] = True
-            inside[of_corners[near[corners]]] = True
+            inside = self._at_vertices(np.unique(corners[self._corners_of(inside)]))
         if (quads.sizes[inside] != 4).any():
             return None
-        part, vertices, faces = quads.only(inside), np.unique(corners[inside[of_corners]]), np.flatnonzero(inside)
-        patch = self.patch.of_vertices(part.corner_vertices.reshape(-1, 4), vertices)
-        free = self.free.copy()
-        free[corners[~inside[of_corners]]] = False
-        below = self.ground.samples[inside[self.ground.near[:, 0]]]
-        return _Part(part, patch, faces, vertices, free[vertices], int(np.searchsorted(faces, number)), below)
-
-
-def _improve(parts: list[_Part], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh | None]:
-    """Each part, reconnected and smoothed, with the best corners; None if it does not improve enough."""
-    before = [worst_deviations(part.quads) for part in parts]
-    least = [_cost(offs, part.patch) - GAIN for offs, part in zip(before, parts, strict=True)]
-    found: list[QuadMesh | None] = [None] * len(parts)
-    ways = [part.ways() for part in parts]
-    for rank in range(MOST):
-        trying = [number for number in range(len(parts)) if rank < len(ways[number])]
-        if not trying:
-            break
-        smoothed = _smooth(
-            [parts[number] for number in trying], [ways[number][rank] for number in trying], mesh, chains
+        vertices, own = np.unique(corners[self._corners_of(inside)], return_inverse=True)
+        faces = own.reshape(-1, 4)
+        part = QuadMesh(
+            quads.vertices[vertices], quads.triangles[vertices], quads.weights[vertices], own, quads.sizes[inside]
         )
-        for number, quads in zip(trying, smoothed, strict=True):
-            after = worst_deviations(quads)
-            cost = _cost(after, ways[number][rank])
-            if after.max() <= before[number].max() and cost < least[number]:
-                least[number], found[number] = cost, quads
+        patch = self.patch.of_vertices(faces, vertices)
+        # Vertices with faces outside stay.
+        free = self.free[vertices] & (np.bincount(own) == np.diff(self._starts)[vertices])
+        rows, places = ragged_arange(np.diff(self._first_samples)[inside])
+        below = self.ground.samples[self._samples[self._first_samples[inside][rows] + places]]
+        return _Part(part, patch, inside, vertices, free, int(np.searchsorted(inside, number)), below)
+
+    def _corners_of(self, faces: np.ndarray) -> np.ndarray:
+        """(c,) corners of (f,) faces, face by face."""
+        rows, places = ragged_arange(self.quads.sizes[faces])
+        return self._first_corners[faces][rows] + places
+
+    def _at_vertices(self, vertices: np.ndarray) -> np.ndarray:
+        """(f,) ascending faces at some vertices."""
+        rows, places = ragged_arange(np.diff(self._starts)[vertices])
+        return np.unique(self._faces[self._starts[vertices][rows] + places])
+
+    @cached_property
+    def _first_corners(self) -> np.ndarray:
+        """(f,) first corner of each face."""
+        return self.quads.starts
+
+    @cached_property
+    def _faces(self) -> np.ndarray:
+        """(c,) face of each corner, in the order of the corners' vertices."""
+        return self.quads.corner_faces[np.argsort(self.quads.corner_vertices, kind="stable")]
+
+    @cached_property
+    def _starts(self) -> np.ndarray:
+        """(n + 1,) where the faces of each vertex begin in :attr:`_faces`, and their number."""
+        return np.cumsum([0, *np.bincount(self.quads.corner_vertices, minlength=len(self.quads.vertices))])
+
+    @cached_property
+    def _samples(self) -> np.ndarray:
+        """(s,) samples of the surface in the order of the nearest faces."""
+        return np.argsort(self.ground.near[:, 0], kind="stable")
+
+    @cached_property
+    def _first_samples(self) -> np.ndarray:
+        """(f + 1,) where the samples of each face begin in :attr:`_samples`, and their number."""
+        return np.cumsum([0, *np.bincount(self.ground.near[:, 0], minlength=len(self.quads.sizes))])
+
+
+def _improve(
+    parts: list[_Part], ways: list[list[Patch]], gain: float, mesh: TriangleMesh, chains: Chains | None
+) -> list[QuadMesh | None]:
+    """Each part, reconnected in one of some ways and smoothed, at the least cost.
+
+    None if it gains too little, if its worst corner gets worse and is not good, or, with a gain of 0, if it gets
+    farther from the surface.
+    """
+    before = [worst_deviations(part.quads) for part in parts]
+    least = [_cost(offs, part.patch) - gain for offs, part in zip(before, parts, strict=True)]
+    found: list[QuadMesh | None] = [None] * len(parts)
+    trials = [(number, way) for number, own in enumerate(ways) for way in own]
+    for (number, way), quads in zip(trials, _smooth([(parts[k], way) for k, way in trials], mesh, chains), strict=True):
+        after = worst_deviations(quads)
+        cost = _cost(after, way)
+        is_good = after.max() <= max(before[number].max(), GOOD) and cost < least[number]
+        if is_good and (gain > 0 or _keeps_shape(parts[number], quads)):
+            least[number], found[number] = cost, quads
     return found
 
 
-def _smooth(parts: list[_Part], ways: list[Patch], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh]:
-    """Parts with other faces, smoothed together; they have no vertex in common."""
-    ends = np.cumsum([len(part.vertices) for part in parts])
-    starts = ends - [len(part.vertices) for part in parts]
+def _smooth(trials: list[tuple[_Part, Patch]], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh]:
+    """Parts with other faces, smoothed at once; none depends on another."""
+    if not trials:
+        return []
+    parts, ways = zip(*trials, strict=True)
+    sizes, faces = [len(part.vertices) for part in parts], [len(way.faces) for way in ways]
+    starts = np.cumsum(sizes) - sizes
     together = QuadMesh(
         np.concatenate([part.quads.vertices for part in parts]),
         np.concatenate([part.quads.triangles for part in parts]),
         np.concatenate([part.quads.weights for part in parts]),
         np.concatenate([way.faces.ravel() + start for way, start in zip(ways, starts, strict=True)]),
-        np.full(sum(len(way.faces) for way in ways), 4),
+        np.full(sum(faces), 4),
     )
-    moving = np.concatenate([part.free & (way.valences > 0) for part, way in zip(parts, ways, strict=True)])
-    own = None if chains is None else chains.of_vertices(np.concatenate([part.vertices for part in parts]))
+    moving = np.concatenate([part.free & (way.valences > 0) for part, way in trials])
+    groups = np.repeat(np.arange(len(parts)), sizes)
+    own = None if chains is None else chains.of_vertices(np.concatenate([part.vertices for part in parts]), groups)
     together = fit_quads(together, mesh, moving, SMOOTHING, own)
-    ground = Ground(mesh, np.concatenate([part.below for part in parts]), together)
-    together = move_worst_corners(together, mesh, moving, own, ground)
-    return [
-        QuadMesh(
-            together.vertices[start:end],
-            together.triangles[start:end],
-            together.weights[start:end],
-            way.faces.ravel(),
-            np.full(len(way.faces), 4),
-        )
-        for way, start, end in zip(ways, starts, ends, strict=True)
+    near = [
+        faces_near(quads, part.below) + first
+        for quads, part, first in zip(_split(together, sizes, ways), parts, np.cumsum(faces) - faces, strict=True)
     ]
+    ground = Ground(mesh, np.concatenate([part.below for part in parts]), together, np.concatenate(near))
+    return _split(move_worst_corners(together, mesh, moving, own, ground), sizes, ways)
+
+
+def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[QuadMesh]:
+    """Parts that were put together, with these numbers of vertices and these faces."""
+    ends = np.cumsum(sizes)[:-1]
+    arrays = (np.split(values, ends) for values in (together.vertices, together.triangles, together.weights))
+    return [
+        QuadMesh(places, triangles, weights, way.faces.ravel(), np.full(len(way.faces), 4))
+        for places, triangles, weights, way in zip(*arrays, ways, strict=True)
+    ]
+
+
+def _keeps_shape(part: _Part, quads: QuadMesh) -> bool:
+    """Whether a part is as near to the surface below with other faces, or nearer than :data:`NEAR`."""
+    return _farthest(quads, part.below) <= max(_farthest(part.quads, part.below), NEAR * part.quads.edge_lengths.mean())
+
+
+def _farthest(quads: QuadMesh, points: np.ndarray) -> float:
+    """The largest distance of points from a quad mesh."""
+    middles, near = quads.middles(quads.vertices), faces_near(quads, points)
+    return float(np.sqrt(squares_to_faces(quads, quads.vertices, middles, points, near).max(initial=0)))
 
 
 def _cost(offs: np.ndarray, patch: Patch) -> float:
     """Degrees by which faces are worse than good ones, and what irregular vertices cost."""
-    return float(np.maximum(offs - GOOD, 0).sum()) + IRREGULAR * int((patch.surpluses != 0).sum())
+    return float(np.maximum(offs - GOOD, 0).sum()) + IRREGULAR * np.count_nonzero(patch.surpluses)
 
 
 def _put_in(quads: QuadMesh, parts: list[tuple[_Part, QuadMesh]]) -> QuadMesh:

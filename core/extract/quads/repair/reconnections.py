@@ -69,7 +69,10 @@ class Patch:
 
     def _too_few(self, valences: np.ndarray, vertices: list[int]) -> np.ndarray:
         """(k,) bool: vertices with fewer edges than they need."""
-        return valences[vertices] < np.where(self.on_rim[vertices], FEWEST_ON_RIM, FEWEST)
+        on_border = (
+            self.on_rim[vertices] & ~self.apart[vertices]
+        )  # vertices apart are inside together with their images
+        return valences[vertices] < np.where(on_border, FEWEST_ON_RIM, FEWEST)
 
     def _flipped(self, number: int) -> Iterator["Patch"]:
         corners, on_line = self.faces[number].tolist(), self.held | (self.lines >= 0)
@@ -119,7 +122,8 @@ class Patch:
                 return None  # its line leads on there, not from one merged corner to the other
             valences[alone] = 0
             valences[ends] -= 1
-        rest = [corner for corner in np.unique(faces).tolist() if corner not in removed]
+        fell = np.flatnonzero((valences < self.valences) & (valences > 0))
+        rest = [corner for corner in fell.tolist() if corner not in removed]
         if self._too_few(valences, rest).any():
             return None
         if self.lines[gone] >= 0:  # its line goes on through the other corner if the vertex between them is gone

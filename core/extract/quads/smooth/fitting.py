@@ -11,7 +11,7 @@ import numpy as np
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
 from ....graphs import sum_by
-from ....unit_vectors import unit_vectors
+from ....unit_vectors import cross, unit_vectors
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
 from ..measure.quality import worst_deviations
 from ..trace.quad_mesh import QuadMesh
@@ -98,16 +98,17 @@ def _slide_along(quads: QuadMesh, chains: Chains, which: np.ndarray, places: np.
     features = chains.features
     on_line = np.flatnonzero(chains.lines >= 0)
     ways, _ = features.nearest(chains.lines[on_line], quads.vertices[on_line])
-    order = np.lexsort((ways, chains.lines[on_line]))
-    on_line, ways = on_line[order], ways[order]
+    runs = (chains.lines + len(features.lines) * chains.groups)[on_line]
+    order = np.lexsort((ways, runs))
+    on_line, ways, runs = on_line[order], ways[order], runs[order]
     lines = chains.lines[on_line]
     lengths, closed = features.lengths[lines], features.closed[lines]
-    firsts = np.flatnonzero(np.diff(lines, prepend=-1))
+    firsts = np.flatnonzero(np.diff(runs, prepend=-1))
     lasts = np.append(firsts[1:], len(lines)) - 1
     behind, ahead = np.roll(ways, 1), np.roll(ways, -1)
     behind[firsts] = np.where(closed[firsts], ways[lasts] - lengths[firsts], 0)
     ahead[lasts] = np.where(closed[lasts], ways[firsts] + lengths[lasts], lengths[lasts])
-    least = SMALLEST_GAP * lengths / (1 + np.bincount(lines)[lines])
+    least = SMALLEST_GAP * chains.gaps[lines]
     back, on = (NEARER * np.maximum(gaps - least, 0) for gaps in (ways - behind, ahead - ways))
     at = np.zeros(len(chains.lines), int)
     at[on_line] = np.arange(len(on_line))
@@ -140,14 +141,14 @@ def _rectangles(corners: np.ndarray, up: np.ndarray, square: float) -> np.ndarra
     middle = corners.mean(axis=1, keepdims=True)
     first = (corners[:, 1] - corners[:, 0] + corners[:, 2] - corners[:, 3]) / 2
     second = (corners[:, 3] - corners[:, 0] + corners[:, 2] - corners[:, 1]) / 2
-    normals = np.cross(first, second)
+    normals = cross(first, second)
     normals = unit_vectors(np.where(np.einsum("fx,fx->f", normals, up)[:, None] > 0, normals, up))
     lengths = np.stack([np.linalg.norm(first, axis=1), np.linalg.norm(second, axis=1)], axis=1)
     lengths += square * (lengths.mean(axis=1, keepdims=True) - lengths)
-    along = unit_vectors(first) + np.cross(unit_vectors(second), normals)
+    along = unit_vectors(first) + cross(unit_vectors(second), normals)
     along = unit_vectors(along - np.einsum("fx,fx->f", along, normals)[:, None] * normals)
     u = lengths[:, :1] / 2 * along
-    v = lengths[:, 1:] / 2 * np.cross(normals, along)
+    v = lengths[:, 1:] / 2 * cross(normals, along)
     return middle + np.stack([-u - v, u - v, u + v, v - u], axis=1)
 
 
@@ -156,11 +157,11 @@ def _regular(corners: np.ndarray, up: np.ndarray) -> np.ndarray:
     size = corners.shape[1]
     middle = corners.mean(axis=1, keepdims=True)
     offsets = corners - middle
-    normals = np.cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
+    normals = cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
     normals = unit_vectors(np.where(np.einsum("fx,fx->f", normals, up)[:, None] > 0, normals, up))
     angles = 2 * np.pi / size * np.arange(size)[:, None]
     # The mean of all corners, rotated back to the first one.
-    across = np.cross(normals[:, None], offsets)
+    across = cross(normals[:, None], offsets)
     spoke = (np.cos(angles) * offsets - np.sin(angles) * across).mean(axis=1)
     spoke -= np.einsum("fx,fx->f", spoke, normals)[:, None] * normals
-    return middle + np.cos(angles) * spoke[:, None] + np.sin(angles) * np.cross(normals, spoke)[:, None]
+    return middle + np.cos(angles) * spoke[:, None] + np.sin(angles) * cross(normals, spoke)[:, None]

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
 from ....geometry import TriangleMesh
 from ....geometry.nearest import nearest_in_triangles
 from ....graphs import components
+from ....unit_vectors import cross
 from ..features.chains import Chains, move_vertices
 from ..trace.quad_mesh import QuadMesh
 from .fitting import project_vertices
@@ -38,9 +40,9 @@ def regular_degrees(sizes: np.ndarray) -> np.ndarray:
 
 
 def faces_near(quads: QuadMesh, points: np.ndarray) -> np.ndarray:
-    """(s, :data:`CANDIDATES`) faces whose middles are nearest to points."""
+    """(s, :data:`CANDIDATES`) faces whose middles are nearest to points; the last again where there are fewer."""
     tree = cKDTree(quads.middles(quads.vertices))
-    return tree.query(points, k=range(1, 1 + min(CANDIDATES, len(quads.sizes))))[1]
+    return tree.query(points, k=np.minimum(1 + np.arange(CANDIDATES), len(quads.sizes)))[1]
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,13 @@ class Ground:
     """The surface, and (s, 3) sample points on it that quads should be near to.
 
     ``quads`` is the mesh before smoothing. The faces near each sample are found once, on it, since smoothing moves
-    vertices by little.
+    vertices by little. They are given as ``near_faces`` where only some faces count for a sample.
     """
 
     mesh: TriangleMesh
     samples: np.ndarray
     quads: QuadMesh
+    near_faces: np.ndarray | None = None
 
     @classmethod
     def of(cls, mesh: TriangleMesh, quads: QuadMesh) -> "Ground":
@@ -70,7 +73,7 @@ class Ground:
     @cached_property
     def near(self) -> np.ndarray:
         """(s, :data:`CANDIDATES`) faces near each sample."""
-        return faces_near(self.quads, self.samples)
+        return faces_near(self.quads, self.samples) if self.near_faces is None else self.near_faces
 
     def normals(self, quads: QuadMesh, which: np.ndarray) -> np.ndarray:
         """(k, 3) vectors along the surface's interpolated normals at vertices."""
@@ -92,12 +95,12 @@ class Ground:
         np.maximum.at(result, labels, np.linalg.norm(self.mesh.finder.nearby(here)[0] - here, axis=1))
         points, labels, near = below
         wanted = wanted[labels]
-        squares = _squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
+        squares = squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
         np.maximum.at(result, labels[wanted], np.sqrt(squares))
         return result
 
 
-def _squares_to_faces(
+def squares_to_faces(
     quads: QuadMesh, vertices: np.ndarray, middles: np.ndarray, points: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
     """(s,) squared distances of points to the nearest of (s, k) faces each, divided into triangles at their middles."""
@@ -232,26 +235,29 @@ class Patches:
         numbers = np.bincount(labels, minlength=count)
         means = np.maximum(np.sqrt(np.bincount(labels, off**2, minlength=count) / numbers), _TINY)
         slopes = (totals ** (1 / POWER - 1))[labels] * powers * np.sign(off) + SHARE * off / (means * numbers)[labels]
-        gradient = np.zeros_like(vertices)
-        before, at, after = self.corners.T
-        np.add.at(gradient, before, slopes[:, None] * to_before)
-        np.add.at(gradient, after, slopes[:, None] * to_after)
-        np.add.at(gradient, at, -slopes[:, None] * (to_before + to_after))
+        gradient = self._sums_at_vertices @ (np.tile(slopes, 2)[:, None] * np.concatenate([to_before, to_after]))
         return worst * totals ** (1 / POWER) + SHARE * means, worst, gradient
+
+    @cached_property
+    def _sums_at_vertices(self) -> csr_matrix:
+        """(n, 2 c) sums of the corners' gradients: of those by the vertices before them, then by those after."""
+        count, (before, at, after) = len(self.corners), self.corners.T
+        rows, columns = np.concatenate([before, after, at, at]), np.tile(np.arange(2 * count), 2)
+        signs = np.repeat([1.0, -1.0], 2 * count)
+        return csr_matrix((signs, (rows, columns)), shape=(len(self.quads.vertices), 2 * count))
 
     def _deviations(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(c,) differences to regular corners in radians, -pi to pi, and (c, 3) gradients by the two neighbours."""
         before, at, after = self.corners.T
         ahead, behind = vertices[after] - vertices[at], vertices[before] - vertices[at]
-        cross = np.cross(ahead, behind)
-        normals = np.zeros_like(self.up)
-        np.add.at(normals, self.faces, cross)
+        across = cross(ahead, behind)
+        normals = np.add.reduceat(across, np.flatnonzero(np.diff(self.faces, prepend=-1)))
         looks_up = np.einsum("fx,fx->f", normals, self.up) > 0
         normals = np.where(looks_up[:, None], normals, self.up)[self.faces]
-        signs = np.where(np.einsum("cx,cx->c", cross, normals) < 0, -1.0, 1.0)
-        lengths = np.linalg.norm(cross, axis=1)
+        signs = np.where(np.einsum("cx,cx->c", across, normals) < 0, -1.0, 1.0)
+        lengths = np.linalg.norm(across, axis=1)
         angles = np.arctan2(signs * lengths, np.einsum("cx,cx->c", ahead, behind))
-        axes = (signs / np.maximum(lengths, _TINY))[:, None] * cross
-        to_before = np.cross(axes, behind) / np.maximum(np.einsum("cx,cx->c", behind, behind), _TINY)[:, None]
-        to_after = -np.cross(axes, ahead) / np.maximum(np.einsum("cx,cx->c", ahead, ahead), _TINY)[:, None]
+        axes = (signs / np.maximum(lengths, _TINY))[:, None] * across
+        to_before = cross(axes, behind) / np.maximum(np.einsum("cx,cx->c", behind, behind), _TINY)[:, None]
+        to_after = -cross(axes, ahead) / np.maximum(np.einsum("cx,cx->c", ahead, ahead), _TINY)[:, None]
         return (angles - self.regular + np.pi) % (2 * np.pi) - np.pi, to_before, to_after

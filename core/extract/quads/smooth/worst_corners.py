@@ -9,7 +9,7 @@ as the patch stays as near to the surface as before.
 import numpy as np
 
 from ....geometry import TriangleMesh
-from ....unit_vectors import unit_vectors
+from ....unit_vectors import cross, unit_vectors
 from ..features.chains import Chains
 from ..measure.quality import corner_angles
 from ..trace.quad_mesh import QuadMesh
@@ -89,8 +89,8 @@ def _directions(
 ) -> np.ndarray:
     """(k, 2, 3) orthogonal unit directions in which vertices may move, 0 where there are fewer."""
     up = mesh.face_normals[quads.triangles[moving]]
-    first = unit_vectors(np.cross(up, np.eye(3)[np.abs(up).argmin(axis=1)]))
-    result = np.stack([first, np.cross(up, first)], axis=1)
+    first = unit_vectors(cross(up, np.eye(3)[np.abs(up).argmin(axis=1)]))
+    result = np.stack([first, cross(up, first)], axis=1)
     if chains is None or (lines[moving] < 0).all():
         return result
     sliding = lines[moving] >= 0

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ....geometry import TriangleMesh
+from ....unit_vectors import cross
 from ...lines.edge_crossings import Crossings
 
 # The boundary keeps a corner where it bulges by more than this part of the distance between two lines that meet it, or
@@ -128,5 +129,5 @@ def turning_angles(points: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Angles by which a closed polyline turns at some of its points."""
     ahead = points[(places + 1) % len(points)] - points[places]
     behind = points[places] - points[places - 1]
-    across = np.linalg.norm(np.cross(behind, ahead), axis=1)
+    across = np.linalg.norm(cross(behind, ahead), axis=1)
     return np.arctan2(across, np.einsum("ij,ij->i", behind, ahead))

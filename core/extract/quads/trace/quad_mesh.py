@@ -93,10 +93,15 @@ class QuadMesh:
 
     @property
     def edges_without_length(self) -> np.ndarray:
-        """(k, 2) vertices of edges that are far shorter than others, the lower first."""
+        """(k, 2) vertices of edges that are far shorter than others of their component, the lower first."""
         ends = self.half_edges
         lengths = np.linalg.norm(self.vertices[ends[:, 1]] - self.vertices[ends[:, 0]], axis=1)
-        return np.unique(np.sort(ends[lengths < SHORTEST * np.median(lengths)], axis=1), axis=0)
+        if lengths.min(initial=np.inf) >= SHORTEST * lengths.max(initial=0):
+            return np.empty((0, 2), int)
+        labels = components(len(self.vertices), ends)[ends[:, 0]]
+        ordered, counts = lengths[np.lexsort((lengths, labels))], np.bincount(labels)
+        medians = ordered[(np.cumsum(counts) - counts + counts // 2).clip(max=len(lengths) - 1)]
+        return np.unique(np.sort(ends[lengths < SHORTEST * medians[labels]], axis=1), axis=0)
 
     @property
     def on_rim(self) -> np.ndarray:

@@ -12,6 +12,7 @@ from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality, worst_deviations
 from synch_fields.core.extract.quads.repair.bad_corners import BAD, mend_bad_corners
 from synch_fields.core.extract.quads.repair.reconnections import Patch
+from synch_fields.core.extract.quads.smooth.fitting import fit_quads
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.barycentric import barycentric
@@ -177,3 +178,32 @@ def test_spoilt_grids_stay_meshes_of_the_same_disk_with_their_lines_and_get_bett
         if with_line:
             assert len(chains.of_vertices(kept).edges(found)) == len(chains.edges(spoilt)) == CELLS
     assert np.mean(gains) >= 1
+
+
+def test_irregular_vertices_are_joined_where_no_corner_is_bad():
+    mesh, quads = grid()
+    free = ~on_rim(quads)
+    spoilt = fit_quads(flipped(quads, (0.35, 0.5)), mesh, free, 40)
+    assert quality(spoilt)["irregular_vertices"] == 4 and worst_deviations(spoilt).max() < BAD
+    found, _ = mend_bad_corners(spoilt, mesh, free)
+    assert quality(found)["irregular_vertices"] == 0
+    np.testing.assert_allclose(corner_angles(found), 90, atol=20)
+
+
+def test_what_is_mended_in_one_place_does_not_depend_on_other_places():
+    mesh, quads = grid()
+    free, first = ~on_rim(quads), flipped(quads, (0.25, 0.3))
+    alone, _ = mend_bad_corners(first, mesh, free)
+    both, _ = mend_bad_corners(flipped(first, (0.75, 0.7)), mesh, free)
+    assert quality(both)["irregular_vertices"] == 0
+    near = quads.vertices[:, :2].sum(axis=1) < 0.9
+    np.testing.assert_array_equal(both.vertices[near], alone.vertices[near])
+
+
+def test_vertices_on_a_mirror_plane_keep_three_edges():
+    """A rim vertex keeps at least two edges; with its image, one on a mirror plane is inside the mesh."""
+    faces = np.array([[0, 1, 2, 3], [3, 4, 5, 0]])
+    nothing = np.zeros(6, bool)
+    patch = Patch(faces, np.array([3, 2, 2, 3, 2, 2]), ~nothing, np.full(6, -1), nothing, nothing)
+    assert list(patch.reconnected(0))
+    assert not list(replace(patch, apart=np.arange(6) == 0).reconnected(0))

@@ -126,3 +126,12 @@ def test_rectangles_that_the_rim_asks_for_are_kept():
     stretched = type(quads)(vertices, quads.triangles, quads.weights, quads.corner_vertices, quads.sizes)
     after = fit_quads(stretched, mesh, inside, 10)
     assert np.abs(corner_angles(after) - 90).max() < 4
+
+
+def test_edges_are_without_length_compared_to_their_own_component():
+    square_of = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
+    large, small, cut = 1e3 * square_of, 1e-4 * square_of + 2e3, square_of + [3e3, 0, 0]
+    cut[1] = cut[0] + [1e-6, 0, 0]
+    places = np.concatenate([large, small, cut])
+    quads = QuadMesh(places, np.zeros(12, int), np.ones((12, 3)) / 3, np.arange(12), np.full(3, 4))
+    np.testing.assert_array_equal(quads.edges_without_length, [[8, 9]])
