@@ -20,6 +20,7 @@ from scipy.sparse.linalg import SuperLU
 
 from .blocks import block_diagonal
 from .coarsening import aggregates, hubs, truncated
+from .columns import PAIR
 from .factorization import factorize, has_positive_pivots
 from .products import Matrix, SharedRows
 from .reductions import HERE, Reductions
@@ -278,8 +279,7 @@ class Metric:
 
     def _cycle(self, right: np.ndarray, depth: int = 0) -> np.ndarray:
         if depth == len(self._steps):
-            assert self._smallest is not None  # the metric is definite
-            return self._smallest.solve(np.asfortranarray(right)).astype(self.dtype, order="C")
+            return self._solve_smallest(right)
         step = self._steps[depth]
         guess = step.damping * right
         guess += step.prolongation @ self._cycle(step.restriction @ _residual(step.matrix, guess, right), depth + 1)
@@ -287,6 +287,14 @@ class Metric:
         change *= step.damping
         guess += change
         return guess
+
+    def _solve_smallest(self, right: np.ndarray) -> np.ndarray:
+        """Solve on the smallest level pair by pair of columns: BLAS rounds a column by how many are beside it."""
+        assert self._smallest is not None  # the metric is definite
+        result, turned = np.empty(right.shape, self.dtype), np.asfortranarray(right)
+        for first in range(0, right.shape[1], PAIR):
+            result[:, first : first + PAIR] = self._smallest.solve(turned[:, first : first + PAIR])
+        return result
 
     def _sum(self, right: np.ndarray) -> np.ndarray:
         if not self._steps:
