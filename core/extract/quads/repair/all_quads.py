@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
+from ....unit_vectors import cross_products
 from ..trace.quad_mesh import QuadMesh
 
 # Most corners of a polygon that is divided again: the work grows with their fourth power.
@@ -251,7 +252,7 @@ def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _C
     @cache
     def corner(before: int, at: int, after: int) -> float:
         ahead, behind = points[after] - points[at], points[before] - points[at]
-        cross = np.cross(ahead, behind)
+        cross = cross_products(ahead, behind)
         angle = np.arctan2(np.linalg.norm(cross), ahead @ behind)
         return float((angle / (np.pi / 2) - 1) ** 2 + TURNED * (cross @ up[at] <= 0))
 

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from ....geometry import TriangleMesh
 from ....geometry.nearest import nearest_in_triangles
 from ....graphs import components
+from ....unit_vectors import cross_products
 from ..features.chains import Chains, move_vertices
 from ..trace.quad_mesh import QuadMesh
 from .fitting import project_vertices
@@ -243,7 +244,7 @@ class Patches:
         """(c,) differences to regular corners in radians, -pi to pi, and (c, 3) gradients by the two neighbours."""
         before, at, after = self.corners.T
         ahead, behind = vertices[after] - vertices[at], vertices[before] - vertices[at]
-        cross = np.cross(ahead, behind)
+        cross = cross_products(ahead, behind)
         normals = np.zeros_like(self.up)
         np.add.at(normals, self.faces, cross)
         looks_up = np.einsum("fx,fx->f", normals, self.up) > 0
@@ -252,6 +253,6 @@ class Patches:
         lengths = np.linalg.norm(cross, axis=1)
         angles = np.arctan2(signs * lengths, np.einsum("cx,cx->c", ahead, behind))
         axes = (signs / np.maximum(lengths, _TINY))[:, None] * cross
-        to_before = np.cross(axes, behind) / np.maximum(np.einsum("cx,cx->c", behind, behind), _TINY)[:, None]
-        to_after = -np.cross(axes, ahead) / np.maximum(np.einsum("cx,cx->c", ahead, ahead), _TINY)[:, None]
+        to_before = cross_products(axes, behind) / np.maximum(np.einsum("cx,cx->c", behind, behind), _TINY)[:, None]
+        to_after = -cross_products(axes, ahead) / np.maximum(np.einsum("cx,cx->c", ahead, ahead), _TINY)[:, None]
         return (angles - self.regular + np.pi) % (2 * np.pi) - np.pi, to_before, to_after
