@@ -16,6 +16,8 @@ from scipy.linalg.blas import get_blas_funcs
 HELD, TOGETHER = 131072, 64
 # Rows that are summed at once, and rows of joined ones that are summed in single precision.
 SUMMED, FEW = 8192, 8
+# Sum over the first axis, without the checks of ``np.sum``.
+_sum = np.add.reduce
 # Columns that stay side by side.
 PAIR = 2
 
@@ -58,8 +60,8 @@ def sum_rows(rows: np.ndarray) -> np.ndarray:
 
 def _sum_rows(rows: np.ndarray) -> np.ndarray:
     whole = len(rows) // TOGETHER * TOGETHER
-    sums = _join_rows(rows[:whole]).sum(axis=0).reshape(TOGETHER, -1).sum(axis=0)
-    return sums + rows[whole:].sum(axis=0)
+    sums = _sum(_sum(_join_rows(rows[:whole])).reshape(TOGETHER, -1))
+    return sums + _sum(rows[whole:]) if whole < len(rows) else sums
 
 
 def precise_inner_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -50,7 +50,8 @@ def descend(
 ) -> Descent:
     """Descend from (N, k) columns until every field's predicted relative decrease is below ``tolerance``.
 
-    A field that has ended stays as it is while others go on, so that it does not depend on them. Works in the precision of ``matrix`` and ``start``, which have to agree, on about twenty arrays of the start's size.
+    A field that has ended stays as it is while others go on, so that it does not depend on them. Works in the precision
+    of ``matrix`` and ``start``, which have to agree, on about twenty arrays of the start's size.
     ``memory`` is of an earlier descent that ended at ``start``, to go on with; it is changed.
     """
     memory = [] if memory is None else memory

@@ -54,8 +54,8 @@ TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # work at once where their batches, so many arrays for each, take at most this share of the memory.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 ARRAYS, SHARE_OF_MEMORY = 20, 1 / 8
-# Numbers for which another thread pays.
-WORTH_SHARING = 40_000
+# Numbers for which one more thread pays.
+WORTH_SHARING = 100_000
 # Metric shift of descents as a share of the energy per mass.
 CANDIDATE_SHIFT = 1.0
 
@@ -167,7 +167,7 @@ def _in_batches(
     """
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
-    threads = max(min(idle_workers(), size * count // WORTH_SHARING), 1)
+    threads = min(idle_workers(), 1 + size * count // WORTH_SHARING)
     parts = split_columns(count, threads * -(-count // (most * threads)))
     numbers = size * (parts[0].stop - parts[0].start)
     fitting = SHARE_OF_MEMORY * room().usable / (ARRAYS * stage.matrix.dtype.itemsize * numbers)
