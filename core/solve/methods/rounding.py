@@ -54,8 +54,9 @@ TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # work at once where their batches, so many arrays for each, take at most this share of the memory.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 ARRAYS, SHARE_OF_MEMORY = 20, 1 / 8
-# Numbers for which one more thread pays.
-WORTH_SHARING = 100_000
+# Numbers, and columns, for which one more thread pays: with four columns a batch, threads wait for the interpreter more
+# than they gain, and those that are left share rows instead.
+WORTH_SHARING, SHARED_COLUMNS = 100_000, 8
 # Metric shift of descents as a share of the energy per mass.
 CANDIDATE_SHIFT = 1.0
 
@@ -167,7 +168,7 @@ def _in_batches(
     """
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
-    threads = min(idle_workers(), 1 + size * count // WORTH_SHARING)
+    threads = min(idle_workers(), 1 + size * count // WORTH_SHARING, -(-count // SHARED_COLUMNS))
     parts = split_columns(count, threads * -(-count // (most * threads)))
     numbers = size * (parts[0].stop - parts[0].start)
     fitting = SHARE_OF_MEMORY * room().usable / (ARRAYS * stage.matrix.dtype.itemsize * numbers)
