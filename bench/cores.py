@@ -4,8 +4,8 @@
     SYNCH_THREADS=1 python bench/cores.py MESH.obj [MESH.obj ...] [--problems "n = 4" ...]
 
 Prints Markdown. One solve on one core gives the CPU seconds of the relaxation, of its proof, of what rounding needs
-besides, and of each batch of columns of the rounding as several cores share them; and how much of each is in products whose rows cores can share.
-bench/README.md says what the model adds up.
+besides, and of each batch of columns of the rounding, split as eight cores share them; and how much of each is in
+products whose rows cores can share. bench/README.md says what the model adds up.
 """
 
 import argparse
