@@ -4,8 +4,8 @@
     SYNCH_THREADS=1 python bench/cores.py MESH.obj [MESH.obj ...] [--problems "n = 4" ...]
 
 Prints Markdown. One solve on one core gives the CPU seconds of the relaxation, of its proof, of what rounding needs
-besides, and of each batch of columns of the rounding; and how much of each is in products whose rows cores can share.
-bench/README.md says what the model adds up.
+besides, and of each batch of columns of the rounding, split as eight cores share them; and how much of each is in
+products whose rows cores can share. bench/README.md says what the model adds up.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from synch_fields.bench.measure import with_matrices
 from synch_fields.bench.meshes import read_obj
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.products import WORTH_SHARING, SharedRows
-from synch_fields.core.algebra.workers import WORKERS
+from synch_fields.core.algebra.workers import MOST_WORKERS, WORKERS
 from synch_fields.core.solve import semidefinite, solve, solver
 from synch_fields.core.solve.methods import rounding, staircase
 
@@ -89,6 +89,7 @@ def measure(problem):
         patch.object(staircase, "prove", timed("proof", staircase.prove)),
         patch.object(solver, "prepare_search", timed("besides", solver.prepare_search)),
         patch.object(rounding, "share_out", run_batches),
+        patch.object(rounding, "idle_workers", lambda: MOST_WORKERS),
     ):
         _, whole = spent(partial(solve, problem))
     seconds["relaxation"] -= seconds["proof"]

@@ -30,8 +30,10 @@ __all__ = [
 ]
 
 
-def start_thread(work: Callable[..., object], *arguments: object, is_daemon: bool = True) -> Thread:
+def start_thread(
+    work: Callable[..., object], *arguments: object, is_daemon: bool = True, name: str | None = None
+) -> Thread:
     """Start a thread for ``work(*arguments)``; a process ends without waiting for its daemons."""
-    thread = Thread(target=work, args=arguments, daemon=is_daemon)
+    thread = Thread(target=work, args=arguments, daemon=is_daemon, name=name)
     thread.start()
     return thread

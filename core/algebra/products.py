@@ -14,7 +14,7 @@ from scipy.sparse import _sparsetools, csr_matrix
 
 from . import workers
 
-# Multiplications (stored entries times columns) below which a thread costs more than it saves.
+# Multiplications (stored entries times columns) for which one more thread pays.
 WORTH_SHARING = 250_000
 
 
@@ -60,7 +60,7 @@ class SharedRows:
             else:
                 _sparsetools.csr_matvecs(last - first, width, count, *entries, flat, part)
 
-        threads = workers.idle_workers() if matrix.nnz * count >= WORTH_SHARING else 1
+        threads = min(workers.idle_workers(), 1 + matrix.nnz * count // WORTH_SHARING)
         if threads == 1:
             fill((0, height))
         else:

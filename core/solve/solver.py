@@ -223,6 +223,7 @@ def _solve_diffusion(task: Task, workspace: Workspace) -> PartResult:
         monitor.at("polish", 0.8)
         metric = stage.candidate_metric(eigenvalue)
         columns = rounding.polish(stage, columns, metric, monitor)
+        columns = rounding.lowest(stage, columns, columns.shape[1])
         columns = np.hstack([rounding.finish(workspace, columns[:, :1], metric, monitor), columns[:, 1:]])
     return _finish_spectral(piece, columns, eigenvalue * piece.total_mass)
 

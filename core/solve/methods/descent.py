@@ -50,7 +50,8 @@ def descend(
 ) -> Descent:
     """Descend from (N, k) columns until every field's predicted relative decrease is below ``tolerance``.
 
-    Works in the precision of ``matrix`` and ``start``, which have to agree, on about twenty arrays of the start's size.
+    A field that has ended stays as it is while others go on, so that it does not depend on them. Works in the precision
+    of ``matrix`` and ``start``, which have to agree, on about twenty arrays of the start's size.
     ``memory`` is of an earlier descent that ended at ``start``, to go on with; it is changed.
     """
     memory = [] if memory is None else memory
@@ -62,6 +63,7 @@ def descend(
     # Gradients show decreases that are lost in the rounding of values: worth using in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     products, steps, out_of_time = point.shape[1], 0, False
+    active = np.ones(len(values), bool)
     while steps < max_steps:
         try:
             monitor.check()
@@ -73,13 +75,14 @@ def descend(
         np.negative(direction, out=direction)
         slopes = spheres.inner(gradient, direction)
         # The first predictions, made without a memory of the curvature, are too small.
-        active = -slopes > np.maximum((tolerance if len(memory) == spheres.memory else 0) * values, floor)
+        active &= -slopes > np.maximum((tolerance if len(memory) == spheres.memory else 0) * values, floor)
         if not active.any():
             break
-        moved = _line_search(matrix, spheres, point, direction, values, slopes, active, noise)
+        moved = _line_search(matrix, spheres, point, image, direction, values, slopes, active, noise)
         if moved is None:
             break
         point, image, values, lengths, trials = moved
+        active = lengths > 0
         products += trials * point.shape[1]
         new_gradient = spheres.gradient(point, image)
         direction *= lengths.astype(direction.dtype)
@@ -125,6 +128,7 @@ def _line_search(
     matrix: Matrix,
     spheres: Manifold,
     point: np.ndarray,
+    image: np.ndarray,
     direction: np.ndarray,
     values: np.ndarray,
     slopes: np.ndarray,
@@ -139,6 +143,10 @@ def _line_search(
         new_values = spheres.energies(new_point, new_image)
         failed = (lengths > 0) & (new_values > values + 2 * ARMIJO * lengths * slopes + noise)
         if not failed.any():
-            return (new_point, new_image, new_values, lengths, trial) if (lengths > 0).any() else None
+            moves = lengths > 0
+            if moves.any() and not moves.all():
+                for new, old in ((new_point, point), (new_image, image), (new_values, values)):
+                    np.copyto(new, old, where=~moves)
+            return (new_point, new_image, new_values, lengths, trial) if moves.any() else None
         lengths = np.where(failed, lengths / 2 if trial < LONGEST_BACKTRACK - 1 else 0.0, lengths)
     return None

@@ -17,7 +17,7 @@ from typing import Protocol, TypeAlias
 import numpy as np
 
 from ...algebra.blocks import traces
-from ...algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts
+from ...algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts, sum_rows
 from ...algebra.orthonormal import gram, nearest, orthonormalize, tangent_part
 from ...algebra.reductions import HERE, Reductions
 from ...connection import Fibre
@@ -120,7 +120,7 @@ class _Fields:
 
     def aligned(self, columns: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
-        products = (targets * columns.conj()).sum(axis=0)
+        products = sum_rows(targets * columns.conj())
         sizes = np.abs(products)
         turns = np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1)
         return columns * turns.astype(columns.dtype)

@@ -14,8 +14,9 @@ from functools import partial
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from ...algebra.columns import PAIR, split_columns
 from ...algebra.metric import Metric
-from ...algebra.workers import pool, share_out
+from ...algebra.workers import idle_workers, pool, share_out
 from ...memory import room
 from ...monitor import Monitor, OutOfTime
 from ...piece import Piece
@@ -53,9 +54,9 @@ TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # work at once where their batches, so many arrays for each, take at most this share of the memory.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 ARRAYS, SHARE_OF_MEMORY = 20, 1 / 8
-# Columns of a batch, with which one core takes 4 % longer than with all at once, and numbers for which another thread
-# pays. Both hold for any number of threads, since rounding errors depend on the batches.
-SHARED_BATCH, WORTH_SHARING = 10, 60_000
+# Numbers, and columns, for which one more thread pays: with four columns a batch, threads wait for the interpreter more
+# than they gain, and those that are left share rows instead.
+WORTH_SHARING, SHARED_COLUMNS = 100_000, 8
 # Metric shift of descents as a share of the energy per mass.
 CANDIDATE_SHIFT = 1.0
 
@@ -103,8 +104,11 @@ def projections(stage: Stage, lifted: np.ndarray, directions: np.ndarray, count:
     lifted, directions = lifted.astype(dtype), directions.astype(dtype)
 
     def project(numbers: np.ndarray) -> np.ndarray:
-        products = lifted @ directions[:, numbers].reshape(lifted.shape[1], -1)
-        return stage.candidates.normalize(products.reshape(-1, len(numbers)))
+        products = np.empty((len(lifted) * stage.width, len(numbers)), dtype)
+        for first in range(0, len(numbers), PAIR):
+            pair = directions[:, numbers[first : first + PAIR]]
+            products[:, first : first + PAIR] = (lifted @ pair.reshape(lifted.shape[1], -1)).reshape(len(products), -1)
+        return stage.candidates.normalize(products)
 
     return _best_of(stage, project, directions.shape[1], count, monitor)
 
@@ -158,14 +162,18 @@ def lowest(stage: Stage, columns: np.ndarray, count: int) -> np.ndarray:
 def _in_batches(
     stage: Stage, work: Callable[[np.ndarray, Monitor], np.ndarray], columns: np.ndarray, monitor: Monitor
 ) -> np.ndarray:
-    """The results of work(columns, monitor) on columns, or on their numbers, in batches that all cores share."""
+    """The results of work(columns, monitor) on columns, or on their numbers, in batches that all cores share.
+
+    What ``work`` makes of a column must not depend on those beside it: batches differ with the number of cores.
+    """
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
-    fewest = min(size * count // WORTH_SHARING, 2 * -(-count // (2 * SHARED_BATCH)))  # even, for two cores
-    batches = np.array_split(columns, max(-(-count // most), min(fewest, count), 1), axis=-1)
-    numbers = size * batches[0].shape[-1]
+    threads = min(idle_workers(), 1 + size * count // WORTH_SHARING, -(-count // SHARED_COLUMNS))
+    parts = split_columns(count, threads * -(-count // (most * threads)))
+    numbers = size * (parts[0].stop - parts[0].start)
     fitting = SHARE_OF_MEMORY * room().usable / (ARRAYS * stage.matrix.dtype.itemsize * numbers)
-    at_once = max(MOST_AT_ONCE // numbers, int(min(fitting, len(batches))), 2)
+    at_once = max(MOST_AT_ONCE // numbers, int(min(fitting, len(parts))), 2)
+    batches = [columns[..., part] for part in parts]
     return np.concatenate(share_out(work, batches, monitor, at_once), axis=-1)
 
 
@@ -186,12 +194,11 @@ def distinct_columns(stage: Stage, columns: np.ndarray) -> np.ndarray:
 
 
 def polish(stage: Stage, columns: np.ndarray, metric: Metric, monitor: Monitor, steps: int = LONG_STEPS) -> np.ndarray:
-    """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
+    """Descend on the unrelaxed problem from each column."""
     columns = columns.astype(stage.matrix.dtype)
     if stage.flips is not None:
-        return lowest(stage, stage.flips.descend(columns), columns.shape[1])
-    descent = descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor)
-    return np.take(descent.point, np.argsort(descent.values, kind="stable"), axis=1)
+        return stage.flips.descend(columns)
+    return descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor).point
 
 
 def finish(workspace: Workspace, column: np.ndarray, metric: Metric, monitor: Monitor) -> np.ndarray:

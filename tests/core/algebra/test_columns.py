@@ -7,10 +7,13 @@ import pytest
 
 from synch_fields.core.algebra.columns import (
     HELD,
+    PAIR,
     TOGETHER,
     add_multiples,
     inner_products,
     precise_inner_products,
+    split_columns,
+    sum_rows,
 )
 
 ROWS = HELD // 5
@@ -39,6 +42,33 @@ def test_precise_inner_products(pair, dtype, digits):
     assert (
         result.dtype == float and (np.abs(result - (first.astype(float) * second).sum(axis=0)) <= digits * sizes).all()
     )
+
+
+def test_sums_of_complex_rows(pair):
+    rows = (pair[0] + 1j * pair[1]).astype(np.complex64)
+    np.testing.assert_allclose(sum_rows(rows), rows.astype(complex).sum(axis=0), rtol=1e-4, atol=1e-2)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_sums_of_a_column_do_not_depend_on_the_columns_beside_it(size, dtype):
+    first, second = np.random.default_rng(size).standard_normal((2, size, 33)).astype(dtype)
+    sums = {work: work(first, second) for work in (inner_products, precise_inner_products)}
+    for columns in (slice(0, 2), slice(31, 33), slice(3, 10), slice(5, 33)):
+        ours, theirs = (np.ascontiguousarray(array[:, columns]) for array in (first, second))
+        for work, of_all in sums.items():
+            np.testing.assert_array_equal(work(ours, theirs), of_all[columns])
+        np.testing.assert_array_equal(sum_rows(ours), sum_rows(first)[columns])
+
+
+@pytest.mark.parametrize("count", range(1, 12))
+@pytest.mark.parametrize("parts", [1, 2, 3, 8])
+def test_columns_are_split_into_whole_pairs(count, parts):
+    found = split_columns(count, parts)
+    assert [number for part in found for number in range(count)[part]] == list(range(count))
+    widths = [part.stop - part.start for part in found]
+    assert len(found) == min(parts, max(count // PAIR, 1)) and max(widths) - min(widths) <= PAIR + 1
+    assert all(part.start % PAIR == 0 for part in found) and (min(widths) > 1 or count == 1)
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])

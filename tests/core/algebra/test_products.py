@@ -52,9 +52,10 @@ def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, cou
                 result = shared @ layout
                 assert result.dtype == expected.dtype and result.shape == expected.shape
                 np.testing.assert_array_equal(result, expected)
-    assert matrix.nnz * 24 > products.WORTH_SHARING and list(shared._ranges) == [count]
-    rows = shared._ranges[count]
-    assert len(rows) == count and rows[0][0] == 0 and rows[-1][1] == matrix.shape[0]
+    threads = min(count, 1 + matrix.nnz * 24 // products.WORTH_SHARING)
+    assert threads > 1 and max(shared._ranges) == threads
+    rows = shared._ranges[threads]
+    assert len(rows) == threads and rows[0][0] == 0 and rows[-1][1] == matrix.shape[0]
 
 
 def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):

@@ -73,7 +73,7 @@ def test_an_error_in_a_part_comes_out_when_all_parts_have_ended(count):
 
     with workers.solving(), pytest.raises(ZeroDivisionError):
         workers.pool.map(work, range(3))
-    assert sorted(ended) == [1, 2]
+    assert sorted(ended) == ([1, 2] if count > 1 else [])  # one thread stops at once
 
 
 def test_all_threads_work_at_once(count):

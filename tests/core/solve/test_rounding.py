@@ -174,7 +174,7 @@ def test_every_batch_of_projections_asks_the_monitor(monkeypatch):
     assert len(asked) == 40 / 4 + 8 / 4
 
 
-@pytest.mark.parametrize(("usable", "wanted"), [(2**33, 4), (2**20, 2), (np.inf, 4)])
+@pytest.mark.parametrize(("usable", "wanted"), [(2**33, 5), (2**20, 3), (np.inf, 5)])
 def test_as_many_cores_work_at_once_as_fit_into_memory(monkeypatch, usable, wanted):
     monkeypatch.setattr(workers, "WORKERS", 8)
     monkeypatch.setattr(rounding, "room", lambda: SimpleNamespace(usable=usable))

@@ -28,6 +28,7 @@ CASES = [
 def test_results_have_the_same_bits_on_one_two_four_and_eight_cores(monkeypatch, command, build, settings):
     # Meshes of tests are so small that nothing would be shared.
     monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    monkeypatch.setattr(rounding, "SHARED_COLUMNS", 2)
     monkeypatch.setattr(products, "WORTH_SHARING", 1)
     shared, share, mesh = [], workers.pool.map, build()
     given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
