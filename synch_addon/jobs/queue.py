@@ -179,19 +179,18 @@ class Work:
 
     def _left_after(self, told, since):
         """Seconds left at a report, by the expected time or, if more, by the pace until then; None if unknown."""
-        left = seconds_left(since, told, self.expected)
+        left = self._estimate_left(since, told)
         return left if left is None or not self.expected else max(left, self.expected - since)
 
     @property
     def line(self):
         """How far it is, for the status bar."""
-        name, comma, rest = self._doing
-        return f"{self.share:.0%}  {translate(name)}{comma}{rest}"
+        return f"{self.share:.0%}  {translate(self._doing)}"
 
     @property
     def short_line(self):
         """How far it is, for the progress bar: the seconds left, or what it does and for how long."""
-        left, stage = self._left, translate(self._doing[0])
+        left, stage = self._left, translate(self._doing)
         told = f"{stage}, {as_time(self.age)}"
         if left is not None:
             told = translate("about {left} left", left=as_time(left))
@@ -200,14 +199,22 @@ class Work:
 
     @property
     def _doing(self):
-        name, *rest = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
-        return _WORDS.get(name, name), *rest
+        """The stage in an artist's words, without the figures that the solver adds behind a comma."""
+        name = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")[0]
+        return _WORDS.get(name, name)
 
     @property
     def _left(self):
         """Seconds left, where that can be told, and at least one."""
-        left = seconds_left(self.age, self.fraction, self.expected)
+        left = self._estimate_left(self.age, self.fraction)
         return left if left is not None and left >= 1 else None
+
+    def _estimate_left(self, age, fraction):
+        """Seconds left at an age; what passed before the expected time was known, such as the start of the process,
+        says nothing about the pace."""
+        begun = 0.0 if self._told is None else self._told[0]
+        expected = None if self.expected is None else self.expected - begun
+        return seconds_left(max(age - begun, 0.0), fraction, expected)
 
     @property
     def times(self):

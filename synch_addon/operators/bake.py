@@ -27,7 +27,9 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
         return BakeJob(context.active_object, settings)
 
     def _headline(self, report):
-        return f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s"
+        is_packed = any("image" in entry for entry in report["maps"].values())
+        where = "as images in this file: open them in the Image Editor" if is_packed else "as files"
+        return f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s, {where}"
 
     def draw(self, context):
         draw_bake(self.layout, self, context.active_object)

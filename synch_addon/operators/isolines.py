@@ -34,6 +34,7 @@ class SYNCH_OT_isolines(PatternOperator, PromptOperator, LineProperties, bpy.typ
     def make(self, context):
         settings = settings_of(LineSettings, self, LINE_NAMES)
         report = api.isolines(context.active_object, **asdict(settings))
+        bpy.data.objects[report["object"]].select_set(True)  # its outline shows what was made
         return f"{report['object']}: {count_text(report['lines'], 'line')}"
 
 

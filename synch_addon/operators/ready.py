@@ -2,6 +2,10 @@
 """When operators on the active object can run, and how those that are done at once say what they did, or what is
 missing: in one line, which greys them out where it is known beforehand."""
 
+from contextlib import contextmanager
+
+import bpy
+
 from ...core.errors import SynchError
 from ..blender.meshes import refusal
 from ..blender.phases import pattern_kind
@@ -13,12 +17,26 @@ class PromptOperator:
 
     def execute(self, context):
         try:
-            line = self.make(context)
+            with _wait_cursor(context.window):
+                line = self.make(context)
         except SynchError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.report({"INFO"}, line)
         return {"FINISHED"}
+
+
+@contextmanager
+def _wait_cursor(window):
+    """The pointer of a window that waits: on a large mesh what is done at once takes seconds."""
+    if window is None or bpy.app.background:
+        yield
+        return
+    window.cursor_modal_set("WAIT")
+    try:
+        yield
+    finally:
+        window.cursor_modal_restore()
 
 
 class ReadyOperator:

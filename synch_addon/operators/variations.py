@@ -90,11 +90,19 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
     bl_idname = "synch.draw_variation"
     bl_label = "Draw Variation"
 
+    number: IntProperty(
+        name="Variation",
+        description="Number of the variation that was drawn; 0 draws one at random",
+        min=0,
+        options={"SKIP_SAVE"},
+    )
+
     def make(self, context):
         obj = context.active_object
         best = memory.solve_of(obj).shown
-        number = nearest_variation(best, [random.randrange(*_DRAWN) for _ in range(_TRIES)])
-        report = api.vary(obj, number)
+        if not self.number:
+            self.number = nearest_variation(best, [random.randrange(*_DRAWN) for _ in range(_TRIES)])
+        report = api.vary(obj, self.number)
         more = report["energy"] / best.solution.energy - 1 if best.solution.energy > 0 else 0.0
         return f"{_find_variations(report)}; {more:+.1%} energy, against the best"
 

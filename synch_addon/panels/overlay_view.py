@@ -5,17 +5,20 @@ Nothing here solves or changes anything. A part is computed when it is first dra
 or a setting that it depends on has changed.
 """
 
+from functools import lru_cache
+
 import bpy
 import gpu
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 from gpu_extras.batch import batch_for_shader
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from ..blender.changes import changes
 from ..blender.pattern_surface import surface_of
 from ..blender.registration import register_all
 from ..blender.schema import LAYER
+from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
 from ..patterns.loops import shown_edge
@@ -39,6 +42,8 @@ NEARER = 2e-3
 # In pixels.
 LINE_WIDTHS = {"MARKS": 1.5, "STREAMLINES": 1.5, "CONSTRAINTS": 3.0}
 POINT_SIZES = {"PINS": 18.0, "DEFECTS": 10.0}
+# Dots of defects get smaller where lines are near to one another on the screen: share of their distance, and pixels.
+_DOT_SHARE, _SMALLEST_DOT = 0.6, 4.0
 _SHADERS = {"TRIS": "SMOOTH_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR"}
 
 # In the order of drawing.
@@ -192,11 +197,12 @@ def distances_on_screen(context, matrix, points, mouse):
     return np.where(ahead, np.linalg.norm(pixels - mouse, axis=1), np.inf)
 
 
-def nearer(view):
-    """The transform of view space that brings everything a little nearer without moving it on the screen."""
+def nearer(view, share=NEARER):
+    """The transform of view space that brings everything nearer by a share of its distance without moving it on the
+    screen."""
     if view.is_perspective:
-        return Matrix.Diagonal((1 - NEARER, 1 - NEARER, 1 - NEARER, 1))
-    return Matrix.Translation((0, 0, NEARER * view.view_distance))
+        return Matrix.Diagonal((1 - share, 1 - share, 1 - share, 1))
+    return Matrix.Translation((0, 0, share * view.view_distance))
 
 
 def draw_object(obj, parts, view_matrix, pixel=1.0):
@@ -209,7 +215,11 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
             for batch, kind, colour in layers(obj, part):
                 if kind == "POINTS":
                     projection = gpu.matrix.get_projection_matrix()
-                    draw_dots(batch, colour, POINT_SIZES[part] * pixel, view_matrix @ obj.matrix_world, projection)
+                    size = POINT_SIZES[part] * pixel
+                    if part == "DEFECTS":
+                        lines = _pixels_between_lines(obj, projection @ view_matrix, projection[1][1])
+                        size = min(size, max(_DOT_SHARE * lines, _SMALLEST_DOT * pixel))
+                    draw_dots(batch, colour, size, view_matrix @ obj.matrix_world, projection)
                     continue
                 shader = _shader(kind)
                 if kind == "LINES":
@@ -219,6 +229,26 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
                 batch.draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
+
+
+def _pixels_between_lines(obj, perspective, scale):
+    """Pixels from one line of an object's pattern to the next, in the middle of its box; infinite where that is behind
+    the viewer, or nothing is known of lines.
+
+    ``perspective`` leads from the scene to the screen, and ``scale`` is how it enlarges heights.
+    """
+    spacing = _kept_spacing(obj.synch.result)
+    middle = obj.matrix_world @ (sum((Vector(corner) for corner in obj.bound_box), Vector()) / 8)
+    depth = (perspective @ Vector((*middle, 1.0))).w
+    if not spacing or depth <= 0:
+        return np.inf
+    return spacing * scale * gpu.state.viewport_get()[3] / (2 * depth)
+
+
+@lru_cache(maxsize=16)
+def _kept_spacing(line):
+    """The spacing that the line of a result names, None without one."""
+    return (read_result_or_empty(line).get("settings") or {}).get("spacing")
 
 
 _register, _unregister = register_all(

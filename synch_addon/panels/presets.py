@@ -10,6 +10,7 @@ from ..blender.phases import pattern_kind
 from ..looks import assets
 from ..looks.presets import PLAIN, PRESETS, shown_preset
 from ..settings.preferences import is_simple
+from ..solids.links import solid_of
 from .look import draw_look
 from .sidebar import SettingsPanel
 
@@ -30,8 +31,11 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
+        if not super().poll(context):
+            return False
         obj = context.active_object
-        return super().poll(context) and not (obj.synch_simple.kind == "quad_mesh" and pattern_kind(obj) is None)
+        has_none = obj.synch_simple.kind == "quad_mesh" or solid_of(obj) != obj
+        return pattern_kind(obj) is not None or not has_none
 
     def draw_body(self, context):
         layout = self.layout
@@ -43,6 +47,14 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
             layout.operator("synch.number_stripes", icon="LINENUMBERS_ON")
         if not assets.is_registered(context.preferences):
             layout.operator("synch.asset_library", icon="ASSET_MANAGER")
+
+
+def _plain_kind():
+    """The kind of pattern that the plain look of the active object shows, or will show."""
+    obj = bpy.context.active_object
+    if obj is None or obj.type != "MESH":
+        return "stripes"
+    return pattern_kind(obj) or ("quads" if obj.synch_simple.kind == "quads" else "stripes")
 
 
 def _get_look(scene):
@@ -69,19 +81,23 @@ class _Thumbnails:
     def register(self):
         """Load the thumbnails and register choice and panel."""
         self._icons = bpy.utils.previews.new()
-        items = []  # Blender keeps no reference to the texts of items that a function returns
-        for number, (name, label, tip) in enumerate(_LOOKS):
-            file = "stripes" if name == PLAIN else name
-            icon = self._icons.load(name, str(assets.THUMBNAILS / f"{file}.png"), "IMAGE")
-            items.append((name, label, tip, icon.icon_id, number))
+        # Blender keeps no reference to the texts of items that a function returns.
+        items = {kind: [self._item(kind, number) for number in range(len(_LOOKS))] for kind in ("stripes", "quads")}
         bpy.types.Scene.synch_preset = EnumProperty(
             name="Look",
             description="What the object looks like: a click on a picture applies it",
-            items=lambda _owner, _context: items,
+            items=lambda _owner, _context: items[_plain_kind()],
             get=_get_look,
             set=_set_look,
         )
         bpy.utils.register_class(SYNCH_PT_material_presets)
+
+    def _item(self, kind, number):
+        """A look in the list of an object with a kind of pattern, of which the plain look is a picture."""
+        name, label, tip = _LOOKS[number]
+        file = kind if name == PLAIN else name
+        icon = self._icons.get(file) or self._icons.load(file, str(assets.THUMBNAILS / f"{file}.png"), "IMAGE")
+        return name, label, tip, icon.icon_id, number
 
     def unregister(self):
         """Take all of it out again."""

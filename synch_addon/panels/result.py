@@ -12,6 +12,7 @@ from ..patterns import memory
 from ..patterns.refine import as_length
 from ..settings.fields import source_of
 from ..settings.preferences import is_simple
+from ..solids.links import solid_of
 from .row_operators import can_set
 from .setting_rows import property_column
 from .sidebar import SettingsPanel
@@ -58,7 +59,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         layout, obj, result = self.layout.column(), context.active_object, _found(context)
         layout.enabled = can_set(obj)
         if not result:
-            layout.label(text="Not solved yet", icon="INFO")
+            draw_nothing_found(layout, obj)
             return
         if memory.is_outdated(obj) and not source_of(obj):  # of a quad mesh the first button says it
             row = layout.row()
@@ -111,6 +112,15 @@ class SYNCH_PT_figures(SettingsPanel, bpy.types.Panel):
 def _found(context):
     """What the panel keeps of the active object's last solve; empty without one."""
     return read_result_or_empty(context.active_object.synch.result)
+
+
+def draw_nothing_found(layout, obj):
+    """Say that there is no result, or of which object the layers are that this one shows."""
+    solid = solid_of(obj)
+    if solid == obj:
+        layout.label(text="Not solved yet", icon="INFO")
+    else:
+        layout.label(text=translate("Layers of {name}", name=solid.name), icon="ALIGN_JUSTIFY", translate=False)
 
 
 def draw_shown_defects(layout, obj, overlay):

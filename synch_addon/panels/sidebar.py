@@ -56,7 +56,12 @@ def draw_redo(layout, operator):
         if name == "mirror":
             draw_mirror(column, operator, range(3))
         elif name != "spacing" or not getattr(operator, "faces", 0) or operator.command != "quad_mesh":
-            draw_setting(column, operator, name, RECORDS[name].zero)
+            draw_setting(column, operator, name, RECORDS[name].zero, _shared_name(name))
+
+
+def _shared_name(name):
+    """The panel's name of a setting that an object keeps for quad meshes apart, None of others."""
+    return name.capitalize() if name in MESH_NAMES else None
 
 
 def draw_mirror(column, settings, axes):
@@ -69,7 +74,7 @@ def draw_mirror(column, settings, axes):
 def draw_share(column, settings, name):
     """Branching or singularities of what the panel makes: an object keeps those of quad meshes apart."""
     stored = MESH_NAMES[name] if settings.id_data.synch_simple.kind == "quad_mesh" else name
-    column.prop(settings, stored, text=name.capitalize())
+    column.prop(settings, stored, text=_shared_name(name))
 
 
 def draw_guide(column, made):

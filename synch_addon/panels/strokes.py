@@ -17,6 +17,8 @@ from .overlay_view import nearer
 
 # In pixels; what is hidden by the surface is shown this strongly.
 _WIDTH, _HIDDEN = 4.0, 0.15
+# Strokes are chords of the surface, which bulges over them: they are drawn nearer by this share of their distance.
+_NEARER = 8e-3
 
 _read = LruCache(8)
 
@@ -86,7 +88,7 @@ class _View:
         region = context.region_data
         draw_lines(
             self.lines_of(obj),
-            nearer(region) @ region.view_matrix @ obj.matrix_world,
+            nearer(region, _NEARER) @ region.view_matrix @ obj.matrix_world,
             context.preferences.system.pixel_size,
         )
 

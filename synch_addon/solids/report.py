@@ -29,6 +29,7 @@ def layer_facts(layering):
         "tetrahedra": layering.solid.tet_count,
         "volume": float(layering.solid.volumes.sum()),
         "layers": surfaces.count,
+        "layer_levels": surfaces.level_count,
         "layer_faces": len(surfaces.triangles),
         "layer_areas": surfaces.areas.tolist(),
         "spacings": plain(
@@ -185,7 +186,14 @@ def program_line(report):
 def headline(report):
     """The line of the status bar after a run."""
     curves = count_text(len(report["dislocation_curves"]), "dislocation curve")
-    return f"{count_text(report['layers'], 'layer')}, {_spread(report['spacings'])}, {curves}"
+    return f"{_count_layers(report)}, {_spread(report['spacings'])}, {curves}"
+
+
+def _count_layers(report):
+    """Layers by their heights, and their connected pieces where these are numbered and more."""
+    layers = count_text(report["layer_levels"], "layer")
+    pieces = report["layers"]
+    return layers if pieces <= report["layer_levels"] else f"{layers} in {count_text(pieces, 'piece')}"
 
 
 def _spread(spacings):
@@ -205,7 +213,7 @@ def summary(report):
         f"layers in {report['object']}: {report['nodes']} vertices, {report['tetrahedra']} tetrahedra",
         f"energy {report['energy']:.6g}, lower bound {report['lower_bound']:.6g} ({report['certificate']}): "
         f"{report['status']}",
-        f"{report['layers_object']}: {count_text(report['layers'], 'layer')}, {_spread(report['spacings'])}",
+        f"{report['layers_object']}: {_count_layers(report)}, {_spread(report['spacings'])}",
     ]
     curves = report["dislocation_curves"]
     closed = sum(curve["closed"] for curve in curves)

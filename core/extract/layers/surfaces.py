@@ -30,6 +30,7 @@ class LayerSurfaces:
     layers : (t,) number of the connected piece, from 0 at the bottom, or of the level, of all pieces at one height;
         a screw dislocation along the normals joins the sheets around it into one ramp
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
+    level_count : number of heights at which layers lie, each of one piece or several
     """
 
     vertices: np.ndarray
@@ -37,6 +38,7 @@ class LayerSurfaces:
     layers: np.ndarray
     corners: np.ndarray
     weights: np.ndarray
+    level_count: int
 
     @cached_property
     def mesh(self) -> TriangleMesh:
@@ -45,7 +47,7 @@ class LayerSurfaces:
 
     @property
     def count(self) -> int:
-        """Number of layers."""
+        """Number of layers as :attr:`layers` numbers them."""
         return int(self.layers.max(initial=-1)) + 1
 
     @property
@@ -141,16 +143,17 @@ def _number_vertices(
     corners, weights = _places(crossings, node)
     at_corner = np.einsum("pk,pk->p", weights, heights[corners])[vertex.reshape(-1, 3)].mean(axis=1)
     means = np.bincount(piece, at_corner, piece_count) / np.bincount(piece, minlength=piece_count)
-    if by_level:
-        solid_piece = np.empty(piece_count, int)
-        solid_piece[piece] = crossings.mesh.pieces[corners[vertex[::3], 0]]
-        rank = _levels(means, solid_piece)
-    else:
+    solid_piece = np.empty(piece_count, int)
+    solid_piece[piece] = crossings.mesh.pieces[corners[vertex[::3], 0]]
+    levels = rank = _levels(means, solid_piece)
+    if not by_level:
         rank = np.empty(piece_count, int)
         rank[np.argsort(means, kind="stable")] = np.arange(piece_count)
     points = np.einsum("pk,pkx->px", weights, crossings.mesh.vertices[corners])
     order = np.argsort(rank[piece], kind="stable")
-    return LayerSurfaces(points, vertex.reshape(-1, 3)[order].astype(int), rank[piece][order], corners, weights)
+    level_count = int(levels.max(initial=-1)) + 1
+    corners_of, layers = vertex.reshape(-1, 3)[order].astype(int), rank[piece][order]
+    return LayerSurfaces(points, corners_of, layers, corners, weights, level_count)
 
 
 def _levels(means: np.ndarray, solid_pieces: np.ndarray) -> np.ndarray:

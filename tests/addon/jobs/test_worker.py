@@ -63,12 +63,28 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     assert re.fullmatch(r"\d%  [a-z ]+, about (59|60) s left", work.short_line)
     work.stage = "relaxation"
     assert "searching" in work.short_line and "relaxation" not in work.line
+    work.stage = "continuation, gap 46%"  # a riddle to artists
+    assert "searching" in work.line and "gap" not in work.line + work.short_line
     work.expected = None
     assert re.fullmatch(r"\d%  [a-z ]+, \d+ s", work.short_line)
     work._told = work.age, 1e-3  # far less than it will take
     monkeypatch.setitem(Work._paces, work.label, 1.0)
     assert loop.run(operator) == {"FINISHED"}
     assert Work._paces[work.label] > 1.5
+
+
+def test_the_start_of_the_process_says_nothing_about_the_pace(monkeypatch):
+    """Four seconds until the process that solves is there, and then a fifth of ten seconds' work in two."""
+    now = [100.0]
+    monkeypatch.setattr(queue_module, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(Work, "_paces", {})
+    work = Work(SimpleNamespace(link=None), "Quad Mesh")
+    work.begin()
+    now[0] = 104.0
+    work.hear("expect", 10.0)
+    now[0] = 106.0
+    work.hear("progress", "building", 0.2)
+    assert work.times == "6 s, about 8 s left"
 
 
 def test_the_bar_moves_steadily_between_two_reports(monkeypatch):

@@ -6,7 +6,7 @@ import bpy
 import gpu
 import numpy as np
 import pytest
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from synch_fields.synch_addon.panels import overlay, overlay_view
 
@@ -91,3 +91,19 @@ def test_picture_follows_a_change_of_the_attribute(canvas):
     after = drawn(canvas, obj, ["MARKS"])
     np.testing.assert_allclose(after, before.transpose(1, 0, 2)[::1], atol=0.35)
     assert not np.allclose(after, before)
+
+
+def test_dots_of_defects_are_smaller_where_lines_are_near_to_one_another(canvas):
+    obj = scenes.grid(2)
+    obj.location = -0.5 * Vector((1, 1, 0))
+    bpy.context.view_layer.update()
+    obj.data.attributes.new("synch_singularity", "FLOAT", "FACE").data[0].value = 0.5
+
+    def dot():
+        return int((drawn(canvas, obj, ["DEFECTS"]).sum(axis=2) > 0.3).sum())
+
+    large = dot()
+    obj.synch.result = '{"command": "stripes", "settings": {"spacing": 1.0}}'  # 32 pixels
+    assert dot() == large > 8
+    obj.synch.result = '{"command": "stripes", "settings": {"spacing": 0.25}}'  # 8 pixels
+    assert dot() < 0.5 * large

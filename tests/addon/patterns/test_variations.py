@@ -221,6 +221,10 @@ def test_the_slider_goes_back_where_the_mesh_has_changed_and_on_when_that_is_und
     bpy.ops.ed.undo()
     obj = bpy.context.active_object
     assert bpy.ops.synch.draw_variation() == {"FINISHED"} and obj.synch_shown.variation >= 100
+    drawn = obj.synch_shown.variation
+    bpy.ops.synch.variation(number=0)
+    bpy.ops.synch.draw_variation(number=drawn)  # as the redo panel runs it again
+    assert obj.synch_shown.variation == drawn
     assert memory.recall(obj).number == obj.synch_shown.variation
 
 

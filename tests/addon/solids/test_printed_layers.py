@@ -12,7 +12,7 @@ from synch_fields.core.printing.machine import read_machine
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids import memory
-from synch_fields.synch_addon.solids.report import program_line
+from synch_fields.synch_addon.solids.report import headline, program_line
 
 from ...core.layered_solids import block as solid_block
 from ..scenes import make_active
@@ -211,6 +211,7 @@ def test_levels_of_two_towers_share_their_numbers(tmp_path):
         api.layers(obj, spacing=0.2, size=0.09, groups="Bottom=layer:0.5", numbers=n) for n in ("pieces", "levels")
     ]
     assert [report["layers"] for report in reports] == [8, 5]
+    assert [headline(report).split(",")[0] for report in reports] == ["5 layers in 8 pieces", "5 layers"]
     made = bpy.data.objects[reports[-1]["layers_object"]]
     files = api.layer_export(obj, tmp_path / "part.stl")["files"]
     assert len(files) == 5 and {v.value for v in made.data.attributes["synch_layer"].data} == set(range(5))

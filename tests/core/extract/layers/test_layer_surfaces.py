@@ -83,6 +83,7 @@ def test_levels_have_one_number_where_pieces_have_one_each():
     levels = layer_surfaces(pattern.edge_phases, pattern.heights, offset, by_level=True)
     # At 0.025 to 0.325 one piece each, then two, and from 0.75 on one.
     assert pieces.count == 4 + 2 * 4 + 2 and levels.count == 10
+    assert pieces.level_count == levels.level_count == 10
     heights = levels.vertices[levels.triangles][:, :, 2]
     np.testing.assert_allclose(heights, np.tile(0.1 * levels.layers[:, None] + 0.025, 3), atol=1e-5)
     assert (np.diff(levels.layers) >= 0).all()
