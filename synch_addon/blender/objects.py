@@ -97,7 +97,7 @@ def _select(layer, objects, active):
 def set_mode(obj, mode):
     """Bring the active object into a mode, such as "EDIT".
 
-    A hidden one, too: in object mode, the context of a 3D view does not name it as the active object.
+    The object may be hidden: a 3D view's context does not have a hidden object as the active one, so it is named here.
     """
     with bpy.context.temp_override(active_object=obj):
         bpy.ops.object.mode_set(mode=mode)

@@ -115,8 +115,10 @@ class Report:
         }
 
     def closing_entries(self, solutions, settings):
-        """The last entries of the report, for solutions of the solves, None for directions that were given, and a dict
-        of settings that replace those of the run."""
+        """The last entries of the report: seed, settings, times and warnings.
+
+        ``solutions`` has one for each solve, None for given directions; ``settings`` replace those of the run.
+        """
         clock = Clock()
         for times in [self.clock.seconds, *(solution.times for solution in solutions if solution)]:
             clock.add(times)

@@ -15,7 +15,7 @@ def draw_work(bar, row, work):
 
 
 def draw_begin(layout, operator, label, icon, obj=None):
-    """The button of an operator, in whose place stands how far its job is: one of this label, for an object or none."""
+    """Draw the button of an operator, or the progress of its job while one of this label is queued for the object."""
     row = layout.row(align=True)
     asked = (work for work in queue.works if work.label == label and work.obj == obj and not work.is_quiet)
     work = next(asked, None)

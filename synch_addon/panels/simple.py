@@ -56,9 +56,9 @@ def _set_direction(simple, number):
 
 
 def _size(simple):
-    """Distance in the scene that a count of lines for which it is one would give, 0 for an object without extent.
+    """The spacing, in scene units, at which the count of lines is one; 0 for an object without extent.
 
-    It is that of the mesh, which stays where modifiers and shape keys change what is shown.
+    It is measured on the mesh, so that modifiers and shape keys do not change it.
     """
     obj = original_of(simple.id_data)
     found = mesh_detail(obj) if obj.type == "MESH" and obj.mode == "OBJECT" else None
