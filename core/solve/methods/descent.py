@@ -63,7 +63,9 @@ def descend(
     # Gradients show decreases that are lost in the rounding of values: worth using in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     products, steps, out_of_time = point.shape[1], 0, False
-    active = np.ones(len(values), bool)
+    # Fields that do not move any more; with others beside it, a field tries again until its memory is empty.
+    ended, idle, patience = np.zeros(len(values), bool), np.zeros(len(values), int), spheres.memory
+    patience = patience if len(values) > 1 else 0
     while steps < max_steps:
         try:
             monitor.check()
@@ -75,14 +77,15 @@ def descend(
         np.negative(direction, out=direction)
         slopes = spheres.inner(gradient, direction)
         # The first predictions, made without a memory of the curvature, are too small.
-        active &= -slopes > np.maximum((tolerance if len(memory) == spheres.memory else 0) * values, floor)
-        if not active.any():
-            break
+        least = np.maximum((tolerance if len(memory) == spheres.memory else 0) * values, floor)
+        active = ~ended & (-slopes > least)
+        ended |= ~active & (slopes <= 0)
         moved = _line_search(matrix, spheres, point, image, direction, values, slopes, active, noise)
-        if moved is None:
+        idle = np.where(moved[3] > 0, 0, idle + 1)
+        ended |= idle > patience
+        if ended.all():
             break
         point, image, values, lengths, trials = moved
-        active = lengths > 0
         products += trials * point.shape[1]
         new_gradient = spheres.gradient(point, image)
         direction *= lengths.astype(direction.dtype)
@@ -134,19 +137,21 @@ def _line_search(
     slopes: np.ndarray,
     active: np.ndarray,
     noise: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int] | None:
-    """Full step first, halved for fields that do not decrease enough; None if no field moves."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
+    """Full step first, halved for fields that do not decrease enough; those that do not move have the length 0."""
     lengths = np.where(active & (slopes < 0), 1.0, 0.0)
     for trial in range(1, LONGEST_BACKTRACK + 1):
+        if not (lengths > 0).any():
+            break
         new_point = spheres.move(point, direction, lengths)
         new_image = matrix @ new_point
         new_values = spheres.energies(new_point, new_image)
         failed = (lengths > 0) & (new_values > values + 2 * ARMIJO * lengths * slopes + noise)
         if not failed.any():
-            moves = lengths > 0
-            if moves.any() and not moves.all():
+            still = lengths == 0
+            if still.any():
                 for new, old in ((new_point, point), (new_image, image), (new_values, values)):
-                    np.copyto(new, old, where=~moves)
-            return (new_point, new_image, new_values, lengths, trial) if moves.any() else None
+                    np.copyto(new, old, where=still)
+            return new_point, new_image, new_values, lengths, trial
         lengths = np.where(failed, lengths / 2 if trial < LONGEST_BACKTRACK - 1 else 0.0, lengths)
-    return None
+    return point, image, values, np.zeros(len(values)), 0
