@@ -171,21 +171,3 @@ def test_a_map_is_painted_and_solved(ball, keep):
     ball.wait_for("Variation")
     assert ball.value("active().synch.spacing_map") == "Spacing"
     keep("painted", ball.picture())
-
-
-def test_a_map_is_seen_while_it_is_painted_on_a_pattern_with_its_own_surface(ball, keep):
-    """What modifiers leave has no weights there, and Blender draws it black."""
-    ball.run("active().synch_simple.direction = 'AUTOMATIC'; active().modifiers.new('Finer', 'SUBSURF')")
-    ball.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.6")
-    solved(ball)
-    assert ball.value("part('blender.pattern_surface').surface_of(active()) != active()")
-    ball.run("bpy.ops.synch.paint_map(target='SPACING')")
-    ball.wait_for("Done Painting")
-    ball.drag(line(ball, (-0.5, 0), (0.5, 0.1)))
-
-    def is_map(picture):
-        """the blue of no weight and the red of a full one"""
-        red, green, blue = (picture[..., channel].astype(int) for channel in range(3))
-        return ((blue > red + 80) & (blue > green + 80)).sum() > 5000 and ((red > 150) & (blue < 60)).sum() > 100
-
-    keep("painting_own_surface", ball.wait_to_see(is_map, "WINDOW"))
