@@ -99,7 +99,7 @@ IDLE = "part('jobs.queue').queue.running is None"
 
 
 def main():
-    """Print a line of JSON for each torus."""
+    """Print two lines of JSON for each torus: the first picture, and the redraws after the solve too."""
     with tempfile.TemporaryDirectory() as folder, conftest._installed(Path(folder), (1000, 700)) as blender:
         blender.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
         blender.open_panel()
@@ -111,6 +111,7 @@ def main():
             blender.run(_CLICK)
             blender.until(f"bool(first) or ({IDLE})")
             row = {"torus": name, "first_picture": blender.value("first"), "click": blender.value("first_click")}
+            print(json.dumps(row), flush=True)  # the whole solve of the largest one takes minutes
             blender.until(f"{IDLE} and part('patterns.memory').holds(active())")  # written, too
             blender.run("bpy.context.scene.synch_overlay.show = True; area().tag_redraw()")
             gallery = "part('panels.thumbnails').galleries.of(active())"

@@ -180,6 +180,25 @@ def sphere_faces(obj):
     return [(corners, (colors * (1, 1, 1, SHEER))[triangles])]
 
 
+def painted_weights(obj):
+    """The faces of a mesh in the colours of the map that is being painted, where Blender cannot show it: it draws
+    weights on what modifiers leave, and the pattern's own surface has none."""
+    group = obj.vertex_groups.active
+    if obj.mode != "WEIGHT_PAINT" or surface_of(obj) == obj or group is None or not len(obj.data.polygons):
+        return []
+    triangles = meshes.read_polygons(obj).triangles
+    colors = weight_colors(groups.read_weights(obj, group.name))
+    return [(attributes.read_values(obj, "position", "POINT")[triangles], colors[triangles])]
+
+
+def weight_colors(weights):
+    """(n, 4) colours of weights, as Blender has them: blue at 0, green at a half, red at 1."""
+    stops = np.array([(0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 1, 0), (1, 0, 0)], float)
+    channels = [np.interp(weights, np.linspace(0, 1, len(stops)), channel) for channel in stops.T]
+    dim = np.interp(weights, [0, 1], [0.5, 1.0])
+    return np.column_stack([*(dim * channel for channel in channels), np.ones(len(weights))])
+
+
 def error_colors(errors):
     """(k, 4) colours of spacings over the asked ones less 1: as strong for twice as for half the spacing."""
     strength = np.log1p(errors) / np.log(FULL_COLOR_AT)

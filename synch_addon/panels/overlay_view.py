@@ -29,6 +29,7 @@ from .overlay import (
     direction_marks,
     layer_faces,
     loop_faces,
+    painted_weights,
     pin_points,
     spacing_errors,
     sphere_faces,
@@ -50,6 +51,7 @@ _SHADERS = {"TRIS": "SMOOTH_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR"}
 _PARTS = {
     "LAYERS": layer_faces,
     "SPHERE": sphere_faces,
+    "WEIGHTS": painted_weights,
     "SPACING": spacing_errors,
     "LOOP": loop_faces,
     "MARKS": direction_marks,
@@ -156,7 +158,16 @@ def key(obj):
     scale = linear.T @ linear
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
-    settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
+    painted = obj.mode == "WEIGHT_PAINT" and obj.vertex_groups.active_index
+    settings = (
+        painted,
+        obj.synch.symmetry,
+        obj.synch.boundary,
+        obj.synch.vertex_group,
+        rows,
+        shown_edge(obj),
+        obj.synch.pins,
+    )
     # Layers are drawn as modifiers leave them, and dots on the shape that they show.
     is_shaped = LAYER.name in obj.data.attributes or obj.data.shape_keys or len(obj.modifiers)
     shape = changes.state(obj) if is_shaped else None

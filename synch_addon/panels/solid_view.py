@@ -19,8 +19,9 @@ from .look import look_of
 from .overlay_view import draw_object, nearer
 from .pattern_shader import DrawnPattern, shaders
 
-# Share of the area that lines fill where a map is painted.
-_PAINTED = 0.15
+# Where a map is painted: share of the area that lines fill, their colour, which is seen on all weights, and the share
+# of its distance by which the map is drawn nearer, so that a surface that bulges over the mesh does not hide it.
+_PAINTED, _ON_WEIGHTS, _NEARER = 0.15, (1.0, 1.0, 1.0, 1.0), 8e-3
 # What is kept on the graphics card, of the objects that were drawn last, and the triangles that it was made of.
 _drawn, _triangles = LruCache(64), LruCache(64)
 
@@ -119,12 +120,14 @@ class _View:
         for obj in shown_objects(context):
             pattern = drawn_pattern(obj, depsgraph)
             if pattern is not None:
-                view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
+                place, matrix = nearer(region), obj.evaluated_get(depsgraph).matrix_world
                 color, background, share = look_of(obj)
                 if obj.mode == "WEIGHT_PAINT":  # the map that is painted is seen between thin lines
-                    share = min(share, _PAINTED)
+                    draw_object(obj, ["WEIGHTS"], nearer(region, _NEARER) @ region.view_matrix)
+                    share, color, place = min(share, _PAINTED), _ON_WEIGHTS, nearer(region, 2 * _NEARER)
                 if obj.mode == "WEIGHT_PAINT" or _shows_faces(context.space_data.overlay, obj):
                     background = None
+                view = place @ region.view_matrix @ matrix
                 pattern.draw(view, region.window_matrix, color, background, share)
 
 

@@ -14,6 +14,7 @@ from synch_fields import synch_addon
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import changes, meshes
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.panels import overlay, overlay_view
 
 from .. import scenes
@@ -320,3 +321,22 @@ def test_taking_the_extension_out_leaves_no_handler_behind():
     finally:
         synch_addon.register()
     assert handlers() == before
+
+
+@pytest.mark.any_surface
+def test_a_map_is_seen_while_it_is_painted_where_the_pattern_has_a_surface_of_its_own():
+    """Blender draws weights on what modifiers leave, and that surface has none."""
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    obj = bpy.context.active_object
+    obj.vertex_groups.new(name="Map").add([0], 1.0, "REPLACE")
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    assert overlay.painted_weights(obj) == []  # Blender shows it
+    bpy.ops.object.mode_set(mode="OBJECT")
+    api.stripes(obj, spacing=0.4)
+    assert surface_of(obj) != obj and overlay.painted_weights(obj) == []
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    ((corners, colours),) = overlay.painted_weights(obj)
+    assert corners.shape == (12, 3, 3) and colours.shape == (12, 3, 4)
+    is_painted = (corners == obj.data.vertices[0].co).all(axis=2)
+    np.testing.assert_allclose(colours[is_painted], np.tile((1, 0, 0, 1), (is_painted.sum(), 1)))
+    np.testing.assert_allclose(colours[~is_painted], np.tile((0, 0, 0.5, 1), ((~is_painted).sum(), 1)))
