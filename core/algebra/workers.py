@@ -14,6 +14,8 @@ from .blas import one_blas_thread
 
 Part = TypeVar("Part")
 Result = TypeVar("Result")
+# What threads do next; None ends one.
+_Queue = SimpleQueue[Callable[[], None] | None]
 
 MOST_WORKERS = 8
 WORKERS = min(int(os.environ.get("SYNCH_THREADS") or os.cpu_count() or 1), MOST_WORKERS)
@@ -64,7 +66,7 @@ class _Pool:
     def forget(self) -> None:
         """Reset in a forked process, which does not inherit threads."""
         self._lock, self._inside = Lock(), 0
-        self._waiting: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        self._waiting: _Queue = SimpleQueue()
         self._threads: list[Thread] = []
 
     def __enter__(self) -> None:
@@ -74,31 +76,37 @@ class _Pool:
     def __exit__(self, *_error: object) -> None:
         with self._lock:
             self._inside -= 1
-            ended = [] if self._inside else self._threads
-            self._threads = self._threads if self._inside else []
-            for _ in ended:
-                self._waiting.put(None)
+            if self._inside:
+                return
+            ended, waiting = self._threads, self._waiting
+            self._threads, self._waiting = [], SimpleQueue()
+        for _ in ended:
+            waiting.put(None)
         for thread in ended:
             thread.join()
 
-    def _start(self) -> bool:
-        """Start the threads if a solve is inside, and tell whether there are any."""
+    def _enter_running(self) -> _Queue | None:
+        """Enter and return the queue of the threads, which are started if need be; None if no solve is inside."""
         with self._lock:
-            if self._inside and not self._threads:
+            if not self._inside or WORKERS == 1:
+                return None
+            self._inside += 1
+            if not self._threads:
                 self._threads = [
                     start_thread(self._work, self._waiting, name="synch_fields") for _ in range(WORKERS - 1)
                 ]
-            return bool(self._threads)
+            return self._waiting
 
     @staticmethod
-    def _work(waiting: "SimpleQueue[Callable[[], None] | None]") -> None:
+    def _work(waiting: _Queue) -> None:
         for task in iter(waiting.get, None):
             task()
 
     def map(self, work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
         """Compute [work(part) for part in parts], in threads and the calling one if a solve is inside."""
         parts = list(parts)
-        if len(parts) < 2 or not self._start():
+        waiting = self._enter_running() if len(parts) > 1 else None
+        if waiting is None:
             return [work(part) for part in parts]
         results: list[Result | None] = [None] * len(parts)
         ended: SimpleQueue[BaseException | None] = SimpleQueue()
@@ -114,14 +122,15 @@ class _Pool:
                 _thread.share = before
 
         for number in range(1, len(parts)):
-            self._waiting.put(partial(run, number))
+            waiting.put(partial(run, number))
         try:
             results[0] = work(parts[0])
         finally:
             with suppress(Empty):
-                while (task := self._waiting.get_nowait()) is not None:
-                    task()
+                while True:
+                    cast(Callable[[], None], waiting.get_nowait())()  # threads are only ended when all have left
             errors = [ended.get() for _ in parts[1:]]
+            self.__exit__()
         for error in errors:
             if error is not None:
                 raise error

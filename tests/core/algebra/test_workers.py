@@ -4,6 +4,7 @@
 
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -60,6 +61,23 @@ def test_parts_share_the_threads_that_others_leave(count):
 def test_threads_of_the_pool_share_nothing_again(count):
     with workers.solving():
         assert workers.pool.map(lambda part: (part, idle_workers()), range(4))[1:] == [(part, 1) for part in (1, 2, 3)]
+
+
+def test_threads_outlast_the_solve_that_started_them_as_long_as_others_use_them(count):
+    """Solves in several threads that begin and end at random, each of which shares parts."""
+
+    def solves(seed):
+        rng, found = np.random.default_rng(seed), []
+        for size in rng.integers(2, 9, 200).tolist():
+            with workers.solving():
+                found.append(workers.pool.map(lambda part: part, range(size)) == list(range(size)))
+            found.append(workers.pool.map(lambda part: part, range(size)) == list(range(size)))
+        return all(found)
+
+    with ThreadPoolExecutor(4) as executor:
+        running = [executor.submit(solves, seed) for seed in range(4)]
+        assert all(future.result(timeout=60) for future in running)
+    assert not [thread for thread in threading.enumerate() if thread.name == "synch_fields"]
 
 
 def test_an_error_in_a_part_comes_out_when_all_parts_have_ended(count):
