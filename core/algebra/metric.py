@@ -11,6 +11,7 @@ more on finer meshes, and the setup 2 to 3 times as long (figures in bench/READM
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -211,14 +212,17 @@ def definite_factors(matrix: csr_matrix) -> SuperLU | None:
 class Inverse:
     """The inverse of a factorized matrix, applied pair by pair: BLAS rounds a column by how many are beside it.
 
-    A small one is dense, which takes half the time of triangular solves.
+    A small one is dense, if it is definite after rounding: that takes half the time of triangular solves.
     """
 
     def __init__(self, factors: SuperLU, dtype: np.dtype) -> None:
         self._factors, self._dense = factors, None
         if factors.shape[0] <= LARGEST_DENSE:
             inverse = factors.solve(np.eye(factors.shape[0], dtype=dtype))
-            self._dense = np.ascontiguousarray((inverse + inverse.conj().T) / 2)
+            inverse = np.ascontiguousarray((inverse + inverse.conj().T) / 2)
+            with suppress(np.linalg.LinAlgError):
+                np.linalg.cholesky(inverse)
+                self._dense = inverse
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Apply the inverse to (N, k) columns."""

@@ -124,12 +124,14 @@ class _Pool:
         for number in range(1, len(parts)):
             waiting.put(partial(run, number))
         try:
-            results[0] = work(parts[0])
+            try:
+                results[0] = work(parts[0])
+            finally:
+                with suppress(Empty):
+                    while True:
+                        cast(Callable[[], None], waiting.get_nowait())()  # threads are only ended when all have left
+                errors = [ended.get() for _ in parts[1:]]
         finally:
-            with suppress(Empty):
-                while True:
-                    cast(Callable[[], None], waiting.get_nowait())()  # threads are only ended when all have left
-            errors = [ended.get() for _ in parts[1:]]
             self.__exit__()
         for error in errors:
             if error is not None:

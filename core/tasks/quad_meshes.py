@@ -277,6 +277,7 @@ def _best_count(
             break
         settled = settle(draft)
         try:
+            settled = draft if settled.face_count < FEW and settled.traced_count > SPOILT * FEW else settled
             results.append(complete(settled))
         except TooLargeQuads:
             refused += [settled] if may_close_tunnels(settled) else []

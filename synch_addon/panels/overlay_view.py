@@ -258,8 +258,9 @@ def _pixels_between_lines(obj, perspective, scale):
 
 @lru_cache(maxsize=16)
 def _kept_spacing(line):
-    """The spacing that the line of a result names, None without one."""
-    return (read_result_or_empty(line).get("settings") or {}).get("spacing")
+    """The spacing of the pattern that the line of a result is of, None without one."""
+    result = read_result_or_empty(line)
+    return None if result.get("command") == "directions" else (result.get("settings") or {}).get("spacing")
 
 
 _register, _unregister = register_all(

@@ -168,7 +168,7 @@ def _in_batches(
     """
     size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
-    threads = min(idle_workers(), 1 + size * count // WORTH_SHARING, -(-count // SHARED_COLUMNS))
+    threads = min(idle_workers(), 1 + size * count // WORTH_SHARING, max(-(-count // SHARED_COLUMNS), 1))
     parts = split_columns(count, threads * -(-count // (most * threads)))
     numbers = size * (parts[0].stop - parts[0].start)
     fitting = SHARE_OF_MEMORY * room().usable / (ARRAYS * stage.matrix.dtype.itemsize * numbers)

@@ -30,9 +30,8 @@ def test_crosses_on_a_ring_follow_its_circles_at_the_same_energy(turn):
     field = calm(torus())
     field = field.with_phases(np.exp(4j * (field.angles + turn)))
     after = along_curvature(field)
-    assert off_axes(after).max() < 0.02
+    assert off_axes(after).max() < 0.02 and off_axes(after.turned(0.3)).max() > 0.2
     assert after.energy == pytest.approx(field.energy, rel=1e-12)
-    assert turn == 0 or off_axes(field.turned(0.3)).max() > 0.1
 
 
 def test_each_piece_turns_by_itself():

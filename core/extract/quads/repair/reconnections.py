@@ -69,10 +69,7 @@ class Patch:
 
     def _too_few(self, valences: np.ndarray, vertices: list[int]) -> np.ndarray:
         """(k,) bool: vertices with fewer edges than they need."""
-        on_border = (
-            self.on_rim[vertices] & ~self.apart[vertices]
-        )  # vertices apart are inside together with their images
-        return valences[vertices] < np.where(on_border, FEWEST_ON_RIM, FEWEST)
+        return valences[vertices] < np.where(self.on_rim[vertices], FEWEST_ON_RIM, FEWEST)
 
     def _flipped(self, number: int) -> Iterator["Patch"]:
         corners, on_line = self.faces[number].tolist(), self.held | (self.lines >= 0)

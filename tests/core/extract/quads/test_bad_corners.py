@@ -198,12 +198,3 @@ def test_what_is_mended_in_one_place_does_not_depend_on_other_places():
     assert quality(both)["irregular_vertices"] == 0
     near = quads.vertices[:, :2].sum(axis=1) < 0.9
     np.testing.assert_array_equal(both.vertices[near], alone.vertices[near])
-
-
-def test_vertices_on_a_mirror_plane_keep_three_edges():
-    """A rim vertex keeps at least two edges; with its image, one on a mirror plane is inside the mesh."""
-    faces = np.array([[0, 1, 2, 3], [3, 4, 5, 0]])
-    nothing = np.zeros(6, bool)
-    patch = Patch(faces, np.array([3, 2, 2, 3, 2, 2]), ~nothing, np.full(6, -1), nothing, nothing)
-    assert list(patch.reconnected(0))
-    assert not list(replace(patch, apart=np.arange(6) == 0).reconnected(0))
