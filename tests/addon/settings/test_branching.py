@@ -15,13 +15,13 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.operators.quads import SYNCH_OT_quad_mesh, SYNCH_OT_quads
-from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.patterns import favourites, memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.patterns.read_back import read_back
 
 from ..moving_meshes import moving, stored_frames, swaying, turned
 from ..run_commands import run
-from ..scenes import add_group, attribute, bent, grid, quad_sphere, sphere
+from ..scenes import add_group, attribute, bent, empties, grid, quad_sphere, sphere
 
 
 def hills():
@@ -154,6 +154,14 @@ def test_the_command_line_has_them(tmp_path, capfd):
     assert status == 2 and "unrecognized arguments: --branching" in err
 
 
+def test_the_command_line_refuses_what_is_no_share(tmp_path, capfd):
+    sphere()
+    path = tmp_path / "ball.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    status, _, err = run(capfd, "stripes", path, "--branching", 30, "--quiet")
+    assert status == 1 and "branching is 30.0: give a share from 0 to 1" in err
+
+
 # Frames
 
 
@@ -236,6 +244,18 @@ def test_settings_without_them_are_those_of_before():
         settings, *_, pattern = read_back(obj, json.dumps(result))
     assert (settings.branching, settings.singularities) == (1, 1)
     assert dislocations(pattern) == before
+
+
+@pytest.mark.parametrize("command", ["stripes", "quads"])
+def test_a_favourite_of_another_branching_comes_back_with_it(command):
+    obj = hills()
+    solve = getattr(api, command)
+    solve(obj, spacing=0.2, branching=0.0)
+    favourites.keep(obj, "calm")
+    solve(obj, spacing=0.2)
+    assert empties(obj, "dislocation")
+    favourites.show(obj, "calm")
+    assert empties(obj, "dislocation") == [] and json.loads(obj.synch.result)["settings"]["branching"] == 0
 
 
 # How even it is
