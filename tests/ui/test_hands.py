@@ -44,17 +44,6 @@ def test_lines_across_and_the_spacing_are_dragged_and_say_the_same(panel, keep):
     assert after > spacing and np.isclose(lines_after * after, lines * spacing, rtol=1e-5)
 
 
-def test_automatic_hands_its_value_over(panel):
-    add_ball(panel, 5)
-    panel.wait_for("40")  # the mesh has been measured
-    lines = panel.value("active().synch_simple.lines")
-    panel.click("Auto")
-    panel.until("not active().synch.automatic_spacing")
-    spacing = panel.value("part('patterns.refine').expected_spacing('stripes', active())")
-    assert np.isclose(panel.value("active().synch_simple.lines"), lines, rtol=0.02)
-    assert np.isclose(panel.value("active().synch.spacing"), spacing, rtol=0.02)
-
-
 def test_the_dice_shows_a_field_near_the_best_and_says_how_far_it_is(panel, keep):
     add_ball(panel, 4)
     panel.run("active().synch.spacing = 0.4")
