@@ -3,8 +3,8 @@
 
 NumPy is slow if the last axis is short, so that several rows are joined to one; BLAS handles a single column.
 
-A column's bits do not depend on how many others are beside it, if there are any: so columns can be split among cores.
-What BLAS does with several columns is called on two of them at a time.
+Among two columns or more, the bits of one do not depend on how many others there are, so that cores can share them.
+BLAS gets two columns at a time.
 """
 
 from itertools import pairwise

@@ -52,12 +52,12 @@ def finish_quads(
     Errors as :func:`check_quads`.
     """
     check_quads(quads, mesh, closes_tunnels)
-    alone = () if apart is None else np.flatnonzero(apart(quads))
+    apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     features, chains = _feature_lines(mesh, rows), None
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), alone)
+        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), apart_vertices)
         if features is not None and quads is not followed:
             quads, chains = follow_features(quads, features)
     if only_quads and (quads.sizes == 4).all():
@@ -74,8 +74,8 @@ def finish_quads(
     free, loose = _free(quads, mesh, rows, chains)
     quads = fit_quads(quads, mesh, loose, rounds, chains)
     quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
-    alone = () if apart is None else np.flatnonzero(apart(quads))
-    quads, kept = mend_bad_corners(quads, mesh, free, chains, alone)
+    apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
+    quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
     return part_vertices(quads, mesh, ~free[kept])
 
 

@@ -50,7 +50,7 @@ class Chains:
     fixed : (n,) bool, vertices on corners
     followed : (l,) length of each line that chains follow
     gaps : (l,) mean distance of the vertices on each line
-    groups : (n,) or one for all: vertices on a line hold back those of their own group only
+    groups : (n,) group of each vertex, or one for all: sliding vertices keep their order within a group
     """
 
     features: FeatureLines
