@@ -83,13 +83,11 @@ def _distances(pattern: csr_matrix, node: int) -> np.ndarray:
 
 def _upper_halves(places: np.ndarray, groups: np.ndarray) -> np.ndarray:
     """(k,) bool: rows in the upper half of their group, along its longest extent."""
-    numbers, label = np.unique(groups, return_inverse=True)
-    low, high = np.full((2, len(numbers), places.shape[1]), np.inf)
-    np.minimum.at(low, label, places)
-    np.minimum.at(high, label, -places)
-    longest = (-high - low).argmax(axis=1)
-    order = np.lexsort((places[np.arange(len(places)), longest[label]], label))
+    label = np.unique(groups, return_inverse=True)[1]
     sizes = np.bincount(label)
+    starts, sorted_places = np.cumsum(sizes) - sizes, places[np.argsort(label, kind="stable")]
+    extents = np.maximum.reduceat(sorted_places, starts) - np.minimum.reduceat(sorted_places, starts)
+    order = np.lexsort((places[np.arange(len(places)), extents.argmax(axis=1)[label]], label))
     place = np.empty(len(order), int)
     place[order] = ragged_arange(sizes)[1]
     return place >= (sizes // 2)[label]

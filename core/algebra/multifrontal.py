@@ -2,16 +2,17 @@
 """Proofs that a sparse Hermitian matrix is positive definite, by a multifrontal Cholesky factorization (Duff and Reid
 1983) that keeps no factor.
 
-In solids, nearly all entries of factors lie in a few dense blocks: a factorization by dense blocks is many times faster
-than one column by column, and takes the memory of the largest blocks alone.
+Nearly all entries of a factor lie in dense blocks: a factorization by dense blocks is up to three times as fast as one
+column by column on surfaces, many times in solids, and takes the memory of the largest blocks alone.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import get_blas_funcs
-from scipy.sparse import csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 
 from ..graphs import inverse
 from .dissection import dissect
@@ -23,6 +24,8 @@ _PANEL, _STRIP = 256, 256
 @dataclass(frozen=True)
 class Elimination:
     """Blocks of rows in the order in which they are eliminated, and which later rows each changes.
+
+    The rows of a node are all in one block.
 
     Attributes
     ----------
@@ -36,23 +39,34 @@ class Elimination:
     reaches: list[np.ndarray]
 
     @classmethod
-    def of(cls, matrix: csr_matrix) -> "Elimination":
-        """An order by nested dissection of a matrix with a symmetric pattern."""
-        number = dissect(matrix)
+    def of(
+        cls, matrix: csr_matrix, block: int = 1, most: float = np.inf, widest: float = np.inf
+    ) -> "Elimination | None":
+        """An order by nested dissection of a matrix with a symmetric pattern, of nodes with ``block`` rows each.
+
+        Returns None if it takes more than ``most`` multiplications, or a dense block of more than ``widest`` rows.
+        """
+        nodes = matrix if block == 1 else bsr_matrix(matrix, blocksize=(block, block))
+        count = len(nodes.indptr) - 1
+        pattern = csr_matrix((np.ones(len(nodes.indices), np.int8), nodes.indices, nodes.indptr), (count, count))
+        number = dissect(pattern)
         order, starts = np.argsort(number, kind="stable"), np.append(0, np.cumsum(np.bincount(number)))
         place = inverse(order)
-        permuted = matrix[order]
+        permuted = pattern[order]
         heads, pointers = place[permuted.indices], permuted.indptr
-        own, reaches = number[order], []
+        own, reaches, products = number[order], [], 0.0
         waiting: list[list[np.ndarray]] = [[] for _ in starts[1:]]
-        for block, (start, end) in enumerate(zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)):
-            reach = np.unique(np.concatenate([heads[pointers[start] : pointers[end]], *waiting[block]]))
+        for step, (start, end) in enumerate(zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)):
+            reach = np.unique(np.concatenate([heads[pointers[start] : pointers[end]], *waiting[step]]))
             reach = reach[np.searchsorted(reach, end) :]
+            products += float(_products(block * (end - start), block * len(reach)))
+            if products > most or block * (end - start + len(reach)) > widest:
+                return None
             reaches.append(reach)
-            waiting[block] = []
+            waiting[step] = []
             if len(reach):
                 waiting[own[reach[0]]].append(reach)
-        return cls(order, starts, reaches)
+        return cls(_rows(order, block), block * starts, [_rows(reach, block) for reach in reaches])
 
     @cached_property
     def sizes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -68,8 +82,7 @@ class Elimination:
     @property
     def products(self) -> float:
         """Number of multiplications."""
-        own, later = (size.astype(float) for size in self.sizes)
-        return float((own**3 / 6 + own**2 * later / 2 + own * later**2 / 2).sum())
+        return float(_products(*self.sizes).sum())
 
     @property
     def entries(self) -> int:
@@ -104,6 +117,17 @@ class Elimination:
         result = np.empty(len(block))
         result[self.order] = before + terms * ((own + later)[block] - inside)
         return result
+
+
+def _products(own: ArrayLike, later: ArrayLike) -> np.ndarray:
+    """Number of multiplications for blocks of so many rows that reach so many later ones."""
+    own, later = np.asarray(own, float), np.asarray(later, float)
+    return own**3 / 6 + own**2 * later / 2 + own * later**2 / 2
+
+
+def _rows(nodes: np.ndarray, block: int) -> np.ndarray:
+    """The rows of nodes that have ``block`` rows each."""
+    return (block * nodes[:, None] + np.arange(block)).ravel()
 
 
 def is_definite(matrix: csr_matrix, elimination: Elimination) -> bool:

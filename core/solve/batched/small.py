@@ -16,7 +16,6 @@ from ...monitor import Monitor
 from ...piece import NOISE
 from ...pieces import Stack
 from ...solution import Options
-from ..methods.certificate import ROUNDINGS
 from ..methods.descent import Descent, descend
 from ..methods.manifolds import Circles, Columns, gaussian
 from ..methods.rounding import CANDIDATE_SHIFT, FINAL_TOLERANCE, SAME_FIELD, TOLERANCE, random_directions
@@ -47,6 +46,8 @@ SUBTRACTED = 0.9
 HESSIAN_SHIFT = 0.01
 # More than the least eigenvalue of any piece, which is about 1 at most.
 UNUSED = 1e2
+# Rounding error of the least eigenvalue of a matrix with unit diagonal, in units of the last digit, for each row.
+ROUNDINGS = 5
 # The least energy per mass in a metric.
 LEAST_DENSITY = 1e-12
 # Steps of consecutive descents, each with a new metric, and steps of candidates.
@@ -181,7 +182,7 @@ class _Search:
         matrices = (1 + depth)[:, None, None] * stack.matrices
         diagonal = diagonals(stack)
         added = (depth * shift)[:, None] * stack.row_mass - np.repeat(duals, stack.block, axis=1)
-        hidden = np.finfo(float).eps * (1 + ROUNDINGS) * matrices.shape[1]
+        hidden = ROUNDINGS * np.finfo(float).eps * matrices.shape[1]
         matrices = with_diagonal(matrices, added - hidden * diagonal)
         scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
         matrices *= scale[:, :, None] * scale[:, None, :]

@@ -17,28 +17,19 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...algebra.blocks import block_diagonal, on_rows, times, traces, with_diagonal
-from ...algebra.factorization import front_width, is_positive_definite
 from ...algebra.metric import Metric
 from ...algebra.multifrontal import Elimination, is_definite
 from ...algebra.products import Matrix
 from ...algebra.reductions import Reductions
-from ...errors import SynchError
 from ...memory import room
 from ...monitor import Monitor
 from ...piece import Piece
-from .memory_estimate import elimination_bytes, is_solid, is_solid_front, proof_bytes
+from .memory_estimate import elimination_bytes
 from .stage import Workspace
 
-# A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex (True)
-# or real numbers: some ten seconds.
-LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
-# In solids, a factorization by columns takes as long as about rows * width^2 / (25 nnz) products of L with all columns
-# (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation, and is tried up to a
-# thousand. One by dense blocks is tried up to so many multiplications for each entry of L, which take as long as the
-# relaxation; it has at least a sixth of the cube of the front.
-LONGEST_SWEEP = LONGEST_ELIMINATION = 25_000
-# Rounding error of a row in a factorization, in units of the diagonal's last digit, for each row of a front.
-ROUNDINGS = 4
+# A factorization in double precision is tried as a proof up to this many rows, and up to so many multiplications for
+# each entry of L, which take as long as the relaxation: surfaces need some 1,000.
+LARGEST_PROOF, LONGEST_ELIMINATION = 400_000, 25_000
 # Rows up to which the search space for negative directions is kept in double precision.
 DOUBLE_BASIS = 50_000
 # Directions in that space at least and at most, and the error at which one counts as converged.
@@ -199,68 +190,43 @@ class _Space:
 
 @dataclass(frozen=True)
 class ProofPlan:
-    """How a bound is proved: rows of the widest front, bytes of memory, and in solids the order of elimination."""
+    """How a bound is proved: the order of elimination, and the bytes of memory that it takes."""
 
-    width: int
+    elimination: Elimination
     bytes: int
-    elimination: Elimination | None = None
 
 
 def plan_proof(piece: Piece, long_proofs: bool = False) -> ProofPlan | None:
     """The :class:`ProofPlan` of a piece; None where a proof by factorization is not affordable in memory or, unless
     ``long_proofs`` is set, in time."""
-    if not _may_be_proved(piece, long_proofs):
+    matrix, usable = piece.matrix, room().usable
+    if not piece.reductions.is_whole or (matrix.shape[0] > LARGEST_PROOF and not long_proofs):
         return None
-    width: int = front_width(piece.matrix)
-    most = np.inf if long_proofs else LONGEST_ELIMINATION * piece.matrix.nnz
-    # Multipliers of frames fill blocks of the diagonal, where L may have no entries.
-    if piece.width == 1 and is_solid(piece, width) and width**3 / 6 <= most:
-        elimination = Elimination.of(piece.matrix)
-        size = elimination_bytes(piece, elimination.entries)
-        if elimination.products <= most and size <= room().usable:
-            return ProofPlan(width, size, elimination)
-    return None if provable_width(piece, long_proofs) is None else ProofPlan(width, proof_bytes(piece, width))
-
-
-def provable_width(piece: Piece, long_proofs: bool = False) -> int | None:
-    """Rows of the widest front if a factorization by columns is affordable in memory and, unless ``long_proofs`` is
-    set, in time; otherwise None."""
-    if not _may_be_proved(piece, long_proofs):
+    most = np.inf if long_proofs else LONGEST_ELIMINATION * matrix.nnz
+    elimination = Elimination.of(matrix, piece.block, most, np.sqrt(usable / matrix.dtype.itemsize))
+    if elimination is None:
         return None
-    width: int = front_width(piece.matrix)
-    is_solid_sweep = is_solid_front(piece.node_count, width / piece.block)
-    is_long = takes_long(width, piece.matrix.nnz / piece.matrix.shape[0], is_solid_sweep, piece.is_complex)
-    if (is_long and not long_proofs) or proof_bytes(piece, width) > room().usable:
-        return None
-    return width
-
-
-def _may_be_proved(piece: Piece, long_proofs: bool) -> bool:
-    return piece.reductions.is_whole and (long_proofs or piece.matrix.shape[0] <= LARGEST_PROOF)
-
-
-def takes_long(width: float, row_entries: float, is_solid: bool, is_complex: bool) -> bool:
-    """Whether a factorization with so wide a front, of rows with so many entries, takes too long for a proof."""
-    return width > WIDEST_PROOF[is_complex] or (is_solid and width**2 > LONGEST_SWEEP * row_entries)
+    size = elimination_bytes(piece, elimination.entries)
+    return ProofPlan(elimination, size) if size <= usable else None
 
 
 def prove(piece: Piece, shift: float, duals: np.ndarray, depth: float, plan: ProofPlan) -> bool:
     """Whether S + depth A is positive definite, by a factorization in double precision.
 
     The rounding error is subtracted from the diagonal first: it grows with the number of entries in a row of L, and
-    with the entries of a factor, at most the width of the fronts in a column. An inner product of complex numbers is
-    one of real numbers of twice the length for each part: its error is sqrt(2) times as large.
+    with those in rows and columns of the factor. An inner product of complex numbers is one of real numbers of twice
+    the length for each part: its error is sqrt(2) times as large.
     """
     multipliers = on_rows(duals, piece.block)
     added = with_diagonal(-multipliers, depth * shift * piece.row_mass)
-    lost = ROUNDINGS * plan.width if plan.elimination is None else plan.elimination.rounding
-    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + lost) * (np.sqrt(2) if piece.is_complex else 1.0)
+    lost = np.diff(piece.matrix.indptr) + plan.elimination.rounding
+    hidden = np.finfo(float).eps * lost * (np.sqrt(2) if piece.is_complex else 1.0)
     # At least the diagonal of the matrix that is factorized.
     own = multipliers if multipliers.ndim == 1 else np.einsum("nii->ni", multipliers).ravel()
     diagonal = (1 + depth) * piece.matrix.diagonal().real + depth * shift * piece.row_mass + np.maximum(-own.real, 0)
     added = with_diagonal(added, -hidden * diagonal)
     matrix = piece.matrix * (1 + depth) + block_diagonal(added)
     try:
-        return is_positive_definite(matrix) if plan.elimination is None else is_definite(matrix, plan.elimination)
-    except (SynchError, MemoryError):
+        return is_definite(matrix, plan.elimination)
+    except MemoryError:
         return False

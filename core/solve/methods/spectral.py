@@ -7,14 +7,18 @@ from scipy.sparse.linalg import LinearOperator, eigsh, lobpcg
 
 from ...algebra.factorization import factorize
 from ...algebra.metric import SMALLEST_SHIFT, Hierarchy, definite_metric
+from ...algebra.multifrontal import Elimination
 from ...piece import Piece
-from .certificate import provable_width
+from .certificate import LARGEST_PROOF
 
 # Vectors in a block of LOBPCG, steps at most, and the residual at convergence, at a mean diagonal and a mean mass of 1:
 # it is small because phases count even where the vector is tiny.
 BLOCK = 4
 MAX_STEPS = 600
 RESIDUAL = 1e-11
+# Multiplications for each entry of the matrix up to which it is factorized by columns: surfaces need some 1,000, solids
+# of 2,000 nodes 5,000.
+LONGEST_FACTORIZATION = 5_000
 
 
 def smallest_eigenpair(piece: Piece, seed: int) -> tuple[float, np.ndarray]:
@@ -35,7 +39,7 @@ def _smallest_eigenpairs(piece: Piece, seed: int) -> tuple[np.ndarray, np.ndarra
     mass = diags_array(piece.row_mass).tocsr()
     if size < 16:
         return _dense_eigenpair(piece)
-    if provable_width(piece) is None:
+    if not is_narrow(piece):
         return _by_multigrid(piece, seed)
     shift = SMALLEST_SHIFT * piece.stiffness
     lu = factorize(piece.matrix + shift * mass, single=False)
@@ -45,6 +49,13 @@ def _smallest_eigenpairs(piece: Piece, seed: int) -> tuple[np.ndarray, np.ndarra
     start[piece.unused_rows] = 0
     values, vectors = eigsh(piece.matrix, k=piece.width, M=mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-9)
     return values, vectors
+
+
+def is_narrow(piece: Piece) -> bool:
+    """Whether a factorization by columns, which is also applied many times, takes little time and memory."""
+    most = LONGEST_FACTORIZATION * piece.matrix.nnz
+    is_short = piece.reductions.is_whole and piece.matrix.shape[0] <= LARGEST_PROOF
+    return is_short and Elimination.of(piece.matrix, piece.block, most) is not None
 
 
 def _dense_eigenpair(piece: Piece) -> tuple[np.ndarray, np.ndarray]:

@@ -6,21 +6,15 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from synch_fields.core.algebra.factorization import is_positive_definite
-from synch_fields.core.algebra.multifrontal import Elimination, is_definite
-from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.monitor import SILENT
-from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Certificate, Options, solve
 from synch_fields.core.solve.methods import certificate, spectral
 from synch_fields.core.solve.methods.certificate import (
-    ProofPlan,
     lower_bound,
     measure_slack,
     plan_proof,
-    provable_width,
     prove,
 )
 from synch_fields.core.solve.methods.descent import descend
@@ -47,12 +41,6 @@ def dense_depth(piece, shift, duals):
     """Smallest t with S + t A >= 0, by dense generalized eigenvalues."""
     slack = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
     return -eigh(slack, piece.matrix.toarray() + shift * np.diag(piece.row_mass), eigvals_only=True)[0]
-
-
-def proof_plans(piece):
-    """By columns, as on surfaces, and by dense blocks, as in solids."""
-    rows = len(piece.mass)
-    return ProofPlan(rows, 0), ProofPlan(rows, 0, Elimination.of(piece.matrix))
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
@@ -92,36 +80,32 @@ def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
     for piece in build().pieces:
         _, shift, _, duals, _ = rough_point(piece, steps)
         exact = dense_depth(piece, shift, duals)
-        for plan in proof_plans(piece):
-            assert prove(piece, shift, duals, 1.01 * exact + 1e-7, plan)
-            if exact > 1e-5:
-                assert not prove(piece, shift, duals, 0.99 * exact, plan)
-            assert not prove(piece, shift, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0), plan)
+        plan = plan_proof(piece, long_proofs=True)
+        assert prove(piece, shift, duals, 1.01 * exact + 1e-7, plan)
+        if exact > 1e-5:
+            assert not prove(piece, shift, duals, 0.99 * exact, plan)
+        assert not prove(piece, shift, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0), plan)
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
 def test_what_rounding_may_hide_is_taken_off_before_a_matrix_counts_as_definite(build, monkeypatch):
-    """An eps for each entry of a row, and four for each entry of the longest column of the factor, or what the order of
-    dense blocks says."""
+    """An eps for each entry of a row, and as many as the order of elimination says."""
     seen = []
-    monkeypatch.setattr(certificate, "is_positive_definite", lambda matrix: seen.append(matrix) or True)
     monkeypatch.setattr(certificate, "is_definite", lambda matrix, _: seen.append(matrix) or True)
     for piece in build().pieces:
-        shift, width, depth = 0.5, 1000, 0.25
-        duals = np.zeros(len(piece.mass))
+        shift, depth = 0.5, 0.25
         lost = 4000.0 + np.arange(piece.matrix.shape[0])
-        order = Elimination.of(piece.matrix)
-        object.__setattr__(order, "rounding", lost)
-        for plan, more in ((ProofPlan(width, 0), 4 * width), (ProofPlan(width, 0, order), lost)):
-            assert prove(piece, shift, duals, depth, plan)
-            taken = piece.matrix.diagonal() * (1 + depth) + depth * shift * piece.row_mass - seen.pop().diagonal()
-            entries = np.diff(piece.matrix.indptr)
-            # Parts of complex inner products are real ones of twice the length.
-            expected = np.finfo(float).eps * (entries + more) * (np.sqrt(2) if piece.is_complex else 1)
-            expected = expected * (piece.matrix.diagonal().real * (1 + depth) + depth * shift * piece.row_mass)
-            scale = (1 + depth) * np.abs(piece.matrix.diagonal()) + shift * piece.row_mass
-            rounding = 4 * np.finfo(float).eps * scale
-            assert (np.abs(taken.real - expected) <= rounding).all() and (expected > 100 * rounding).all()
+        plan = plan_proof(piece, long_proofs=True)
+        object.__setattr__(plan.elimination, "rounding", lost)
+        assert prove(piece, shift, np.zeros(len(piece.mass)), depth, plan)
+        taken = piece.matrix.diagonal() * (1 + depth) + depth * shift * piece.row_mass - seen.pop().diagonal()
+        entries = np.diff(piece.matrix.indptr)
+        # Parts of complex inner products are real ones of twice the length.
+        expected = np.finfo(float).eps * (entries + lost) * (np.sqrt(2) if piece.is_complex else 1)
+        expected = expected * (piece.matrix.diagonal().real * (1 + depth) + depth * shift * piece.row_mass)
+        scale = (1 + depth) * np.abs(piece.matrix.diagonal()) + shift * piece.row_mass
+        rounding = 4 * np.finfo(float).eps * scale
+        assert (np.abs(taken.real - expected) <= rounding).all() and (expected > 100 * rounding).all()
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
@@ -143,89 +127,38 @@ def test_bounds_from_rough_points_stay_below_the_relaxation(build, steps):
     assert total <= best.sdp_value * (1 + 1e-9) <= values * (1 + 1e-4)
 
 
-@pytest.mark.parametrize("complex_numbers", [False, True])
-def test_inertia_tells_definite_matrices_from_others(complex_numbers):
-    from scipy.sparse import csr_matrix, eye_array
-
-    random = np.random.default_rng(1)
-    for _ in range(20):
-        a = random.standard_normal((30, 30)) * (random.random((30, 30)) < 0.1)
-        a = a + 1j * random.standard_normal((30, 30)) * (a != 0) if complex_numbers else a
-        a = a + a.conj().T
-        lowest = np.linalg.eigvalsh(a)[0]
-        for shift, expected in ((1e-6, True), (-1e-6, False)):
-            assert is_positive_definite(csr_matrix(a) + (shift - lowest) * eye_array(30).tocsr()) is expected
-
-
 def test_multipliers_sum_to_the_value():
     (piece,) = direction_problem(torus(around=12, across=8), 4).pieces
     _, _, _, duals, value = rough_point(piece, 5)
     assert duals.sum() == pytest.approx(value, rel=1e-12)
 
 
-def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix(monkeypatch):
-    """By columns on a surface of 5,800 nodes, by dense blocks in solids of 2,200 and 15,600 up to so many products for
-    each entry of the matrix; beyond, by columns in the smaller one."""
-    narrow = direction_problem(torus(around=120, across=48), 4).pieces[0]
-    plan = plan_proof(narrow)
-    assert plan.elimination is None and plan.width == provable_width(narrow) < 4 * np.sqrt(narrow.node_count)
-    for side, by_columns in ((12, True), (24, False)):
-        solid = block((side,) * 3)
-        (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
-        products = plan_proof(piece).elimination.products
-        assert (provable_width(piece) is not None) == by_columns
-        for most, is_tried in ((products / piece.matrix.nnz + 1, True), (products / piece.matrix.nnz - 1, by_columns)):
-            with monkeypatch.context() as context:
-                context.setattr(certificate, "LONGEST_ELIMINATION", most)
-                plan = plan_proof(piece)
-                assert (plan is not None) == is_tried
-                assert not is_tried or (plan.elimination is None) == (most < products / piece.matrix.nnz)
-                assert plan_proof(piece, long_proofs=True).elimination is not None
-
-
-def test_a_bound_in_a_solid_is_proved_by_dense_blocks():
-    """It is the bound that a factorization by columns proves."""
-    solid = block((9, 8, 7), (1.3, 1, 1))
-    x, y, z = (solid.vertices - solid.vertices.mean(axis=0)).T
-    whirl = np.column_stack([-y, x, 0.3 + 0 * z])
-    problem = layer_problem(solid, whirl / np.linalg.norm(whirl, axis=1)[:, None], 0.2)
-    (piece,) = problem.pieces
-    assert plan_proof(piece).elimination is not None
-    calls = []
-    with pytest.MonkeyPatch.context() as context:
-        context.setattr(certificate, "is_definite", lambda *given: calls.append(1) or is_definite(*given))
-        solution = solve(problem)
-    assert solution.certificate is Certificate.PROVED and calls and solution.energy > solution.lower_bound > 1e-3
-    with pytest.MonkeyPatch.context() as context:
-        context.setattr(certificate, "LONGEST_ELIMINATION", 0)
-        by_columns = solve(problem)
-    assert by_columns.certificate is Certificate.PROVED
-    assert (solution.lower_bound, solution.energy) == (by_columns.lower_bound, by_columns.energy)
+def test_proofs_are_tried_up_to_a_number_of_products(monkeypatch):
+    solid = block((12, 12, 12))
+    for problem in (
+        direction_problem(torus(around=60, across=24), 4),
+        layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3),
+    ):
+        (piece,) = problem.pieces
+        products = plan_proof(piece).elimination.products / piece.matrix.nnz
+        for most, is_tried in ((products * 1.001, True), (products * 0.999, False)):
+            monkeypatch.setattr(certificate, "LONGEST_ELIMINATION", most)
+            assert (plan_proof(piece) is not None) == is_tried
+            assert plan_proof(piece, long_proofs=True) is not None
+        monkeypatch.undo()
 
 
 def test_proofs_are_tried_up_to_a_number_of_rows_and_that_included(monkeypatch):
     (piece,) = direction_problem(torus(around=24, across=12), 4).pieces
     for most, is_provable in ((piece.matrix.shape[0], True), (piece.matrix.shape[0] - 1, False)):
         monkeypatch.setattr(certificate, "LARGEST_PROOF", most)
-        assert (provable_width(piece) is not None) == (plan_proof(piece) is not None) == is_provable
-
-
-def test_fronts_count_in_nodes_where_each_has_two_rows(monkeypatch):
-    """On a surface a front is not taken for a solid's, of which long sweeps are left out, where nodes have two rows."""
-    monkeypatch.setattr(certificate, "LONGEST_SWEEP", 0)
-    mesh = torus(around=60, across=60)
-    flips = np.random.default_rng(0).random(len(mesh.edges)) < 0.5
-    connection = Connection(
-        mesh.vertex_count, mesh.edges, np.ones(len(flips)), circle_transports(np.zeros(len(flips)), flips)
-    )
-    (piece,) = SynchronizationProblem(connection).pieces
-    assert piece.block == 2 and plan_proof(piece).elimination is None
+        assert (plan_proof(piece) is not None) == is_provable
 
 
 def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):
     problem = direction_problem(torus(around=24, across=12), 4)
     short = solve(problem)
-    monkeypatch.setattr(certificate, "WIDEST_PROOF", {True: 10, False: 10})
+    monkeypatch.setattr(certificate, "LONGEST_ELIMINATION", 10)
     assert solve(problem).certificate is Certificate.ESTIMATED
     long = solve(problem, Options(long_proofs=True))
     assert long.certificate is Certificate.PROVED and long.lower_bound == short.lower_bound
@@ -235,6 +168,6 @@ def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):
 def test_the_spectral_bound_is_the_same_without_a_factorization(build, monkeypatch):
     problem = build()
     factorized = solve(problem, Options(method="spectral"))
-    monkeypatch.setattr(spectral, "provable_width", lambda *_: None)
+    monkeypatch.setattr(spectral, "LONGEST_FACTORIZATION", 0)
     by_multigrid = solve(problem, Options(method="spectral"))
     assert by_multigrid.spectral_bound == pytest.approx(factorized.spectral_bound, rel=1e-6, abs=1e-9)

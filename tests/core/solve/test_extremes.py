@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from synch_fields.core.algebra.factorization import front_width
 from synch_fields.core.algebra.metric import Hierarchy
 from synch_fields.core.algebra.products import WORTH_SHARING, SharedRows
 from synch_fields.core.connection import Connection, circle_transports
@@ -75,19 +74,6 @@ def test_energy_that_drowns_in_the_weights_is_not_called_perfect():
     assert solution.energy > 1
     assert solution.lower_bound <= solution.energy
     assert solution.gap > 0 and (solution.status is not Status.CERTIFIED or solution.sdp_gap <= 1e-2)
-
-
-def test_fronts_of_every_piece_count_and_hubs_are_a_part_of_each():
-    side = 12
-    places = np.arange(side**2).reshape(side, side)
-    links = [(places[:, :-1], places[:, 1:]), (places[:-1], places[1:])]
-    edges = np.concatenate([np.column_stack([a.ravel(), b.ravel()]) for a, b in links]) + 2
-    edges = np.concatenate([[[0, 1]], edges])
-    count, hub = side**2 + 2, side**2 + 2
-    square = pattern(count, edges)
-    assert side <= front_width(square) <= 2 * side
-    spokes = np.column_stack([np.full(count, hub), np.arange(count)])
-    assert front_width(pattern(count + 1, np.concatenate([edges, spokes]))) == front_width(square) + 1
 
 
 def pattern(count, edges):
