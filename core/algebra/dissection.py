@@ -13,7 +13,7 @@ from ..graphs import fronts, ragged_arange
 from .coarsening import hubs
 
 # Groups of no more rows are not halved.
-_LEAF = 96
+_LEAF = 160
 _LANDMARKS, _DIMENSIONS = 9, 3
 
 

@@ -29,7 +29,7 @@ from .stage import Workspace
 
 # A factorization in double precision is tried as a proof up to this many rows, and up to so many multiplications for
 # each entry of L, which take as long as the relaxation: surfaces need some 1,000.
-LARGEST_PROOF, LONGEST_ELIMINATION = 400_000, 25_000
+LARGEST_PROOF, LONGEST_ELIMINATION = 1_000_000, 25_000
 # Rows up to which the search space for negative directions is kept in double precision.
 DOUBLE_BASIS = 50_000
 # Directions in that space at least and at most, and the error at which one counts as converged.
