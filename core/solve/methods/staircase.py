@@ -138,7 +138,7 @@ class _Search:
         self._random = np.random.default_rng(options.seed)
         piece, stage = workspace.piece, workspace.stages[0]
         with clock("relax"):
-            self._plan = plan_proof(piece, options.long_proofs)
+            self._plan = monitor.during(partial(plan_proof, piece, options.long_proofs))
             if start is None:
                 rank = start_rank(piece, self._is_provable, target_gap)
                 self.point = _coarse_start(workspace, rank, self._random, monitor)
