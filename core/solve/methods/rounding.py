@@ -99,58 +99,51 @@ def random_directions(
 
 
 def projections(stage: Stage, lifted: np.ndarray, directions: np.ndarray, count: int, monitor: Monitor) -> np.ndarray:
-    """The best ``count`` projections Y xi, normalized, on (r * width, k) directions xi (Eq. 29)."""
+    """The best ``count`` projections Y xi, normalized, best first, on (r * width, k) directions xi (Eq. 29)."""
     dtype = stage.matrix.dtype
     lifted, directions = lifted.astype(dtype), directions.astype(dtype)
 
-    def project(numbers: np.ndarray) -> np.ndarray:
+    def project(numbers: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
+        batch_monitor.check()
         products = np.empty((len(lifted) * stage.width, len(numbers)), dtype)
         for first in range(0, len(numbers), PAIR):
             pair = directions[:, numbers[first : first + PAIR]]
             products[:, first : first + PAIR] = (lifted @ pair.reshape(lifted.shape[1], -1)).reshape(len(products), -1)
         return stage.candidates.normalize(products)
 
-    return _best_of(stage, project, directions.shape[1], count, monitor)
+    def energies_of(numbers: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
+        return energies(stage, project(numbers, batch_monitor))
+
+    values = _in_batches(stage, energies_of, np.arange(directions.shape[1]), monitor)
+    return _in_batches(stage, project, np.argsort(values, kind="stable")[:count], monitor)
 
 
 def crossings(stage: Stage, columns: np.ndarray, smoothing: Metric, count: int, monitor: Monitor) -> np.ndarray:
-    """The best ``count`` crossings of pairs of columns, each region mostly from the one with less energy there.
+    """``count`` crossings of pairs of columns at most, each region mostly from the one with less energy there.
 
-    The pair is first turned to agree as well as possible. Local energies are compared after ``smoothing``, a metric of
-    values on the nodes, so that a region holds a few defects.
+    Those pairs are crossed whose better local energies have the least sum. The pair is first turned to agree as well as
+    possible. Local energies are compared after ``smoothing``, a metric of values on the nodes, so that a region holds a
+    few defects.
     """
     numbers_a_node = stage.block * stage.width
     local = np.real(columns.conj() * (stage.matrix @ columns))
     local = local.reshape(-1, numbers_a_node, columns.shape[1]).sum(axis=1)
     smooth = smoothing.solve(local)
     pairs = np.transpose(np.triu_indices(columns.shape[1], 1))
+    sums = [np.where(smooth[:, i] < smooth[:, j], local[:, i], local[:, j]).sum() for i, j in pairs]
+    chosen = pairs[np.argsort(sums, kind="stable")[:count]].T
 
-    def cross(numbers: np.ndarray) -> np.ndarray:
-        first, second = pairs[numbers].T
-        sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
-        preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
+    def cross(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
+        batch_monitor.check()
+        first, second = batch
+        both = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
+        preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(both > 0, both, 1))
         preference = np.repeat(preference, numbers_a_node, axis=0)
         kept, joined = np.take(columns, first, axis=1), np.take(columns, second, axis=1)
         joined = stage.candidates.aligned(joined, kept)
         return stage.candidates.normalize((1 + preference) * kept + (1 - preference) * joined)
 
-    return _best_of(stage, cross, len(pairs), count, monitor)
-
-
-def _best_of(
-    stage: Stage, make: Callable[[np.ndarray], np.ndarray], total: int, count: int, monitor: Monitor
-) -> np.ndarray:
-    """The best ``count``, best first, of ``total`` columns made by make(numbers), with few in memory at once."""
-
-    def run_batches(numbers: np.ndarray, work: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        def make_batch(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
-            batch_monitor.check()
-            return work(make(batch))
-
-        return _in_batches(stage, make_batch, numbers, monitor)
-
-    values = run_batches(np.arange(total), partial(energies, stage))
-    return run_batches(np.argsort(values, kind="stable")[:count], lambda columns: columns)
+    return _in_batches(stage, cross, chosen, monitor)
 
 
 def lowest(stage: Stage, columns: np.ndarray, count: int) -> np.ndarray:
