@@ -205,7 +205,10 @@ def test_pairs_are_crossed_whose_better_local_energies_have_the_least_sum(monkey
     smooth = stage.smoothing(density / rounding.CROSSING_TIME).solve(local)
     pairs = [[i, j] for i in range(5) for j in range(i + 1, 5)]
     sums = [
-        sum(min((s, e) for s, e in zip(*node, strict=True))[1] for node in zip(smooth[:, pair], local[:, pair]))
+        sum(
+            min((s, e) for s, e in zip(*node, strict=True))[1]
+            for node in zip(smooth[:, pair], local[:, pair], strict=True)
+        )
         for pair in pairs
     ]
     alone = np.hstack([crossings(stage, parents[:, pairs[k]], density, 1) for k in np.argsort(sums)])
