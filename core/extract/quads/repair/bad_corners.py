@@ -245,7 +245,7 @@ def _improve(
         after = worst_deviations(quads)
         cost = _cost(after, way)
         is_good = after.max() <= max(before[number].max(), GOOD) and cost < least[number]
-        if is_good and (gain > 0 or _keeps_shape(parts[number], quads)):
+        if is_good and (gain > 0 or _keeps_shape(parts[number], quads, mesh)):
             least[number], found[number] = cost, quads
     return found
 
@@ -286,15 +286,18 @@ def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[
     ]
 
 
-def _keeps_shape(part: _Part, quads: QuadMesh) -> bool:
-    """Whether a part is as near to the surface below with other faces, or nearer than :data:`NEAR`."""
-    return _farthest(quads, part.below) <= max(_farthest(part.quads, part.below), NEAR * part.quads.edge_lengths.mean())
+def _keeps_shape(part: _Part, quads: QuadMesh, mesh: TriangleMesh) -> bool:
+    """Whether a part is as near to the surface with other faces, or nearer than :data:`NEAR`."""
+    before = _distance(part.quads, mesh, part.below)
+    return _distance(quads, mesh, part.below) <= max(before, NEAR * part.quads.edge_lengths.mean())
 
 
-def _farthest(quads: QuadMesh, points: np.ndarray) -> float:
-    """The largest distance of points from a quad mesh."""
-    middles, near = quads.middles(quads.vertices), faces_near(quads, points)
-    return float(np.sqrt(squares_to_faces(quads, quads.vertices, middles, points, near).max(initial=0)))
+def _distance(quads: QuadMesh, mesh: TriangleMesh, below: np.ndarray) -> float:
+    """Hausdorff distance between quads and points of the surface below them, taken at middles of faces and edges."""
+    middles, near = quads.middles(quads.vertices), faces_near(quads, below)
+    away = np.sqrt(squares_to_faces(quads, quads.vertices, middles, below, near).max(initial=0))
+    here = np.concatenate([middles, quads.vertices[quads.edges[0]].mean(axis=1)])
+    return max(float(away), float(np.linalg.norm(mesh.finder.nearby(here)[0] - here, axis=1).max()))
 
 
 def _cost(offs: np.ndarray, patch: Patch) -> float:
