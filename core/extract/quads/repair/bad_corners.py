@@ -31,7 +31,7 @@ IRREGULAR, GAIN = 7.0, 10.0
 # Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
 RINGS, SMOOTHING = 2, 5
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
-MOST = 3
+MOST = 2
 # Most rounds over all bad faces, and over all faces with several irregular vertices.
 ROUNDS, IRREGULAR_ROUNDS = 6, 3
 
@@ -293,11 +293,10 @@ def _keeps_shape(part: _Part, quads: QuadMesh, mesh: TriangleMesh) -> bool:
 
 
 def _distance(quads: QuadMesh, mesh: TriangleMesh, below: np.ndarray) -> float:
-    """Hausdorff distance between quads and points of the surface below them, taken at middles of faces and edges."""
+    """Hausdorff distance between quads and points of the surface below them, taken at middles of faces."""
     middles, near = quads.middles(quads.vertices), faces_near(quads, below)
     away = np.sqrt(squares_to_faces(quads, quads.vertices, middles, below, near).max(initial=0))
-    here = np.concatenate([middles, quads.vertices[quads.edges[0]].mean(axis=1)])
-    return max(float(away), float(np.linalg.norm(mesh.finder.nearby(here)[0] - here, axis=1).max()))
+    return max(float(away), float(np.linalg.norm(mesh.finder.nearby(middles)[0] - middles, axis=1).max()))
 
 
 def _cost(offs: np.ndarray, patch: Patch) -> float:

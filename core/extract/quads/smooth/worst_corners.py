@@ -71,15 +71,17 @@ def _moving(quads: QuadMesh, free: np.ndarray, rings: int) -> np.ndarray:
 
 def _judge(patches: Patches) -> Judge:
     """A function that tells which patches are better with moved vertices."""
-    ground, before = patches.ground, patches.quads.vertices
+    ground, before, below = patches.ground, patches.quads.vertices, patches.below
     norms, worst, _ = patches.norms(before)
-    apart = ground.distances(patches, before, np.ones(len(norms), bool), patches.below)
-    limits = np.maximum((1 + FARTHER) * apart, NEAR * patches.sides)
 
     def are_better(vertices: np.ndarray, waiting: np.ndarray) -> np.ndarray:
         new_norms, new_worst, _ = patches.norms(vertices)
         better = waiting & (new_norms < (1 - GAIN) * norms) & (new_worst <= worst)
-        return better & (ground.distances(patches, vertices, better, patches.below) <= limits)
+        away = ground.distances(patches, vertices, better, below, NEAR)
+        far = better & (away > NEAR * patches.sides)
+        if far.any():
+            better &= ~far | (away <= (1 + FARTHER) * ground.distances(patches, before, far, below))
+        return better
 
     return are_better
 
