@@ -49,8 +49,8 @@ def fit_quads(
 
 
 def keep_better(fitted: QuadMesh, before: QuadMesh) -> QuadMesh:
-    """The fitted quad mesh; components as before whose corners got farther from right angles, in the root mean square,
-    and whose shortest edge got shorter."""
+    """The fitted quad mesh; components as before whose corners got farther from right angles in the mean, and whose
+    shortest edge got shorter."""
     labels = components(len(before.vertices), before.half_edges)
     of_corners = labels[before.corner_vertices]
 
@@ -58,7 +58,7 @@ def keep_better(fitted: QuadMesh, before: QuadMesh) -> QuadMesh:
         ends = quads.vertices[quads.half_edges]
         shortest = np.full(labels.max(initial=-1) + 1, np.inf)
         np.minimum.at(shortest, of_corners, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
-        return np.bincount(of_corners, (corner_angles(quads) - 90) ** 2), shortest
+        return np.bincount(of_corners, np.abs(corner_angles(quads) - 90)), shortest
 
     (off, shortest), (off_before, shortest_before) = measures(fitted), measures(before)
     which = np.flatnonzero(((off > off_before) & (shortest < shortest_before))[labels])

@@ -86,8 +86,8 @@ class Ground:
     ) -> np.ndarray:
         """(p,) Hausdorff distances between patches, with the vertices at (n, 3) places, and the points below them.
 
-        0 for patches that are not wanted; ``below`` as :attr:`Patches.below`. Up to ``enough`` sides of a patch they may
-        be found too large, up to that.
+        0 for patches that are not wanted; ``below`` as :attr:`Patches.below`. Distances up to ``enough`` sides of the
+        patch may be found too large, up to that.
         """
         quads = patches.quads
         middles = quads.middles(vertices)
