@@ -28,8 +28,8 @@ from .reconnections import Patch
 BAD, GOOD = 60.0, 45.0
 # What an irregular vertex costs, and by how much a patch must improve at bad corners, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
-# Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
-RINGS, SMOOTHING = 2, 5
+# Rings of faces around a bad one that are smoothed with it, rounds of smoothing, and steps of descent.
+RINGS, SMOOTHING, STEPS = 2, 5, 12
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
 MOST = 2
 # Most rounds over all bad faces, and over all faces with several irregular vertices.
@@ -273,7 +273,7 @@ def _smooth(trials: list[tuple[_Part, Patch]], mesh: TriangleMesh, chains: Chain
         for quads, part, first in zip(_split(together, sizes, ways), parts, np.cumsum(faces) - faces, strict=True)
     ]
     ground = Ground(mesh, np.concatenate([part.below for part in parts]), together, np.concatenate(near))
-    return _split(move_worst_corners(together, mesh, moving, own, ground), sizes, ways)
+    return _split(move_worst_corners(together, mesh, moving, own, ground, STEPS), sizes, ways)
 
 
 def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[QuadMesh]:

@@ -20,8 +20,8 @@ from .fitting import project_vertices
 
 # Exponent of the norm of the corners' deviations, and weight of their root mean square that is added.
 POWER, SHARE = 8, 0.5
-# Largest move of a vertex in a round in each direction, in mean edges of its patch, and number of descent steps.
-REACH, STEPS = 0.4, 12
+# Largest move of a vertex in a round in each direction, in mean edges of its patch.
+REACH = 0.4
 # The first step, as a part of the largest move.
 FIRST = 0.1
 # Edges and triangles of the surface longer than this part of a quad's side are sampled at their middles, too.
@@ -198,8 +198,9 @@ class Patches:
         labels = labels[near[:, 0]]
         return samples[labels >= 0], labels[labels >= 0], near[labels >= 0]
 
-    def descend(self, directions: np.ndarray) -> np.ndarray:
-        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower the norms: Barzilai-Borwein descent."""
+    def descend(self, directions: np.ndarray, number: int) -> np.ndarray:
+        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower the norms: a number of steps of
+        Barzilai-Borwein descent."""
         start, scales = self.quads.vertices, (REACH * self.sides)[self.of_moving, None]
 
         def at(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -214,7 +215,7 @@ class Patches:
         shares = np.zeros((len(self.moving), 2))
         norms, slopes = at(shares)
         steps = FIRST / np.sqrt(np.maximum(sums(slopes, slopes), _TINY))
-        for _ in range(STEPS):
+        for _ in range(number):
             # Steps that increase the norm are shortened and tried again.
             tried = np.clip(shares - steps[self.of_moving, None] * slopes, -1, 1)
             new_norms, new_slopes = at(tried)

@@ -22,6 +22,8 @@ BAD = 25.0
 RINGS = (0, 2)
 # Parts of its move that a patch tries; it takes the first that is better.
 PARTS = (1.0, 0.4)
+# Number of descent steps.
+STEPS = 25
 # Smallest share by which a norm must fall.
 GAIN = 0.01
 # A patch may be farther from the surface than before by this share, or as far as this part of its mean edge.
@@ -36,11 +38,12 @@ def move_worst_corners(
     free: np.ndarray,
     chains: Chains | None = None,
     ground: Ground | None = None,
+    steps: int = STEPS,
 ) -> QuadMesh:
     """The quad mesh with vertices moved where corners are bad; arguments as of :func:`fit_quads`.
 
     No patch's worst corner gets worse; corners that are turned over count as the worst. ``ground``: the part of the
-    surface below, all of it by default.
+    surface below, all of it by default; ``steps``: of descent.
     """
     lines = sliding_lines(free, chains)
     moving = _moving(quads, free, RINGS[0])
@@ -52,7 +55,7 @@ def move_worst_corners(
         if len(moving) == 0:
             break
         patches = Patches.of(quads, ground, moving)
-        moves = patches.descend(_directions(quads, mesh, moving, lines, chains))
+        moves = patches.descend(_directions(quads, mesh, moving, lines, chains), steps)
         quads, _ = patches.move_better(moves, PARTS, lines, chains, _judge(patches))
     return quads
 
