@@ -16,12 +16,14 @@ from .repair.bad_corners import mend_bad_corners
 from .repair.narrow_tunnels import close_narrow_tunnels, find_flat_faces
 from .repair.quad_collapse import collapse_quads
 from .repair.tip_recovery import recover_tips
-from .smooth.fitting import fit_quads, part_vertices
+from .smooth.fitting import fit_quads, keep_better, part_vertices
 from .smooth.worst_corners import move_worst_corners
 from .trace.quad_mesh import QuadMesh
 
 # Neighbours move only to mend bad corners if the cosine between their normals is smaller: rims keep their shape.
 _SHARP = 0.5
+# Rings of vertices around a face that are smoothed with it.
+_AROUND = 3
 # A vertex of the quad mesh with a barycentric coordinate below this lies on the edge.
 _ON_EDGE = 1e-3
 
@@ -72,11 +74,32 @@ def finish_quads(
     if rounds == 0:
         return quads
     free, loose = _free(quads, mesh, rows, chains)
-    quads = fit_quads(quads, mesh, loose, rounds, chains)
+    quads = keep_better(fit_quads(quads, mesh, loose, rounds, chains), quads)
     quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
     apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
     return part_vertices(quads, mesh, ~free[kept])
+
+
+def smooth_faces(
+    quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], rounds: int, which: np.ndarray, without: ArrayLike
+) -> tuple[QuadMesh, np.ndarray]:
+    """The finished quad mesh smoothed around (f,) bool faces, and (n,) bool the vertices around them.
+
+    Vertices on the boundary and on lines of rows stay, except those on edges in ``without``. After some rounds tips are
+    recovered; bad corners are always moved. Other arguments as of :func:`finish_quads`.
+    """
+    near = np.zeros(len(quads.vertices), bool)
+    for _ in range(_AROUND):
+        near[quads.corner_vertices[which[quads.corner_faces]]] = True
+        which = np.bincount(quads.corner_faces, near[quads.corner_vertices]) > 0
+    on_lines = np.zeros(mesh.vertex_count, bool)
+    on_lines[mesh.edges[np.setdiff1d(_grid_edges(mesh, rows), without)]] = True
+    free = near & ~quads.on_rim & ~_is_at(quads, mesh, on_lines)
+    free &= ~_on_rows(quads, mesh, [row for row in rows if row.kind != GRID])
+    if rounds > 0:
+        quads = recover_tips(fit_quads(quads, mesh, free, rounds), mesh, free)
+    return move_worst_corners(quads, mesh, free), near
 
 
 def lost_lines(
@@ -95,9 +118,14 @@ def lost_lines(
 
 def _feature_lines(mesh: TriangleMesh, rows: Sequence[Row], without: ArrayLike = ()) -> FeatureLines | None:
     """The lines that edges of the quad mesh should follow, except edges in ``without``; None if no line is left."""
-    links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
-    edges = np.setdiff1d(mesh.edges_between(*links.T), without)
+    edges = np.setdiff1d(_grid_edges(mesh, rows), without)
     return FeatureLines.of(mesh, edges) if len(edges) else None
+
+
+def _grid_edges(mesh: TriangleMesh, rows: Sequence[Row]) -> np.ndarray:
+    """(k,) edges of the surface that grid lines follow."""
+    links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
+    return mesh.edges_between(*links.T)
 
 
 class TooLargeQuads(SettingError):
@@ -165,4 +193,9 @@ def _on_rows(quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row]) -> np.nda
     for row in rows:
         if row.is_of_phases:
             held[row.line.nodes] = True
-    return (held[mesh.triangles[quads.triangles]] | (quads.weights < _ON_EDGE)).all(axis=1)
+    return _is_at(quads, mesh, held)
+
+
+def _is_at(quads: QuadMesh, mesh: TriangleMesh, nodes: np.ndarray) -> np.ndarray:
+    """(n,) bool: vertices of the quad mesh at some vertices of the surface, (m,) bool, or on edges between them."""
+    return (nodes[mesh.triangles[quads.triangles]] | (quads.weights < _ON_EDGE)).all(axis=1)

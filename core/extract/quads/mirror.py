@@ -16,9 +16,14 @@ from ...fields.constraints.rows import Row
 from ...geometry import TriangleMesh
 from ...geometry.barycentric import barycentric
 from ...geometry.mirror import are_divided_by_edges, sides_of_planes
+from ...graphs import components
 from ...interpolate import EdgePhases
-from .finishing import check_quads, finish_quads
+from .finishing import check_quads, finish_quads, smooth_faces
+from .measure.quality import worst_deviations
 from .repair.all_quads import with_vertices
+from .repair.bad_corners import BAD
+from .repair.reconnections import join_around
+from .smooth.worst_corners import BAD as MOVING
 from .trace.quad_mesh import QuadMesh, quad_mesh
 
 # Vertices that are nearer than this to a mirror image, in mean edge lengths, have one.
@@ -116,13 +121,44 @@ class MirrorSide:
 
         quads = finish_quads(quads, self.mesh, own, rounds, only_quads, closes_tunnels, on_a_plane)
         quads = _without_tips(quads, self._vertices_on_planes(quads))
+        has_tips = (quads.sizes == 3).any()
         on_planes = self._vertices_on_planes(quads)
         for k, unit in enumerate(self.units):
             quads, source = _add_reflection(quads, unit, on_planes[:, k])
             on_planes = on_planes[source]
-        _, triangles = self.whole.finder.nearest(quads.vertices)
-        quads = replace(quads, triangles=triangles, weights=barycentric(self.whole, triangles, quads.vertices))
+        quads = self._put_on_surface(quads)
+        if has_tips and (quads.sizes == 4).all():
+            quads = _without_doublets(quads)
+            quads = self._smooth_bad(quads, rows, rounds) if rounds else quads
         check_quads(quads, self.whole, closes_tunnels)
+        return quads
+
+    def _put_on_surface(self, quads: QuadMesh) -> QuadMesh:
+        """The quad mesh with the triangles nearest to its vertices."""
+        _, triangles = self.whole.finder.nearest(quads.vertices)
+        return replace(quads, triangles=triangles, weights=barycentric(self.whole, triangles, quads.vertices))
+
+    def _smooth_bad(self, quads: QuadMesh, rows: Sequence[Row], rounds: int) -> QuadMesh:
+        """The whole quad mesh with vertices moved where corners are bad, since faces were joined with reflections.
+
+        Faces of which only a half was seen before may be folded: these are also fitted anew.
+        """
+        planes = plane_edges(self.whole, self.units)
+        for steps, limit in ((0, MOVING), (rounds, BAD), (0, MOVING)):
+            offs = worst_deviations(quads)
+            moved, near = smooth_faces(quads, self.whole, rows, steps, offs > limit, planes)
+            places = moved.vertices
+            images = [cKDTree(quads.vertices).query(_reflect(quads.vertices, unit))[1] for unit in self.units]
+            for unit, image in zip(self.units, images, strict=True):
+                places = (places + _reflect(places[image], unit)) / 2
+            tried = replace(quads, vertices=np.where(near[:, None], places, quads.vertices))
+            # Of each connected part, the better places count.
+            gains, ends, corners = offs**2 - worst_deviations(tried) ** 2, quads.half_edges, quads.corner_vertices
+            labels = components(len(near), ends[near[ends].all(axis=1)])
+            goes = near & (np.bincount(labels[corners], gains[quads.corner_faces] * near[corners]) > 0)[labels]
+            for image in images:
+                goes &= goes[image]
+            quads = self._put_on_surface(replace(quads, vertices=np.where(goes[:, None], places, quads.vertices)))
         return quads
 
     def _vertices_on_planes(self, quads: QuadMesh) -> np.ndarray:
@@ -171,11 +207,27 @@ def _add_reflection(quads: QuadMesh, unit: np.ndarray, on_plane: np.ndarray) -> 
     here = np.insert(corners, np.flatnonzero(sides) + 1, image[corners[after[after[sides]]]])
     result = replace(
         quads,
-        vertices=np.concatenate([places, moved - 2 * np.outer(moved @ unit, unit)]),
+        vertices=np.concatenate([places, _reflect(moved, unit)]),
         corner_vertices=np.concatenate([here, image[corners[backwards]]]),
         sizes=np.concatenate([quads.sizes + joined, quads.sizes[~joined]]),
     )
     return result, source
+
+
+def _reflect(places: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """(n, 3) mirror images of places in the plane with a unit normal."""
+    return places - 2 * np.outer(places @ unit, unit)
+
+
+def _without_doublets(quads: QuadMesh) -> QuadMesh:
+    """The quad mesh with each two quads joined that are the only ones at a vertex inside."""
+    faces, inside = quads.corner_vertices.reshape(-1, 4), ~quads.on_rim
+    while True:
+        alone = inside & (np.bincount(faces.ravel(), minlength=len(inside)) == 2)
+        found = filter(None, (join_around(faces, vertex) for vertex in np.flatnonzero(alone).tolist()))
+        if (joined := next(found, None)) is None:
+            return quads.with_faces(faces.ravel(), np.full(len(faces), 4))
+        faces = joined[0]
 
 
 def plane_edges(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
@@ -186,6 +238,5 @@ def plane_edges(mesh: TriangleMesh, units: np.ndarray) -> np.ndarray:
 
 def without_image(quads: QuadMesh, unit: np.ndarray) -> int:
     """How many vertices are farther than a hundredth of a mean edge from all mirror images."""
-    images = quads.vertices - 2 * np.outer(quads.vertices @ unit, unit)
-    apart, _ = cKDTree(quads.vertices).query(images)
+    apart, _ = cKDTree(quads.vertices).query(_reflect(quads.vertices, unit))
     return int(np.count_nonzero(apart > _SAME * quads.edge_lengths.mean()))

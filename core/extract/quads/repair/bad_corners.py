@@ -28,10 +28,10 @@ from .reconnections import Patch
 BAD, GOOD = 60.0, 45.0
 # What an irregular vertex costs, and by how much a patch must improve at bad corners, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
-# Rings of faces around a bad one that are smoothed with it, and rounds of smoothing.
-RINGS, SMOOTHING = 2, 5
+# Rings of faces around a bad one that are smoothed with it, rounds of smoothing, and steps of descent.
+RINGS, SMOOTHING, STEPS = 2, 5, 12
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
-MOST = 3
+MOST = 2
 # Most rounds over all bad faces, and over all faces with several irregular vertices.
 ROUNDS, IRREGULAR_ROUNDS = 6, 3
 
@@ -245,7 +245,7 @@ def _improve(
         after = worst_deviations(quads)
         cost = _cost(after, way)
         is_good = after.max() <= max(before[number].max(), GOOD) and cost < least[number]
-        if is_good and (gain > 0 or _keeps_shape(parts[number], quads)):
+        if is_good and (gain > 0 or _keeps_shape(parts[number], quads, mesh)):
             least[number], found[number] = cost, quads
     return found
 
@@ -273,7 +273,7 @@ def _smooth(trials: list[tuple[_Part, Patch]], mesh: TriangleMesh, chains: Chain
         for quads, part, first in zip(_split(together, sizes, ways), parts, np.cumsum(faces) - faces, strict=True)
     ]
     ground = Ground(mesh, np.concatenate([part.below for part in parts]), together, np.concatenate(near))
-    return _split(move_worst_corners(together, mesh, moving, own, ground), sizes, ways)
+    return _split(move_worst_corners(together, mesh, moving, own, ground, STEPS), sizes, ways)
 
 
 def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[QuadMesh]:
@@ -286,15 +286,17 @@ def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[
     ]
 
 
-def _keeps_shape(part: _Part, quads: QuadMesh) -> bool:
-    """Whether a part is as near to the surface below with other faces, or nearer than :data:`NEAR`."""
-    return _farthest(quads, part.below) <= max(_farthest(part.quads, part.below), NEAR * part.quads.edge_lengths.mean())
+def _keeps_shape(part: _Part, quads: QuadMesh, mesh: TriangleMesh) -> bool:
+    """Whether a part is as near to the surface with other faces, or nearer than :data:`NEAR`."""
+    before = _distance(part.quads, mesh, part.below)
+    return _distance(quads, mesh, part.below) <= max(before, NEAR * part.quads.edge_lengths.mean())
 
 
-def _farthest(quads: QuadMesh, points: np.ndarray) -> float:
-    """The largest distance of points from a quad mesh."""
-    middles, near = quads.middles(quads.vertices), faces_near(quads, points)
-    return float(np.sqrt(squares_to_faces(quads, quads.vertices, middles, points, near).max(initial=0)))
+def _distance(quads: QuadMesh, mesh: TriangleMesh, below: np.ndarray) -> float:
+    """Hausdorff distance between quads and points of the surface below them, taken at middles of faces."""
+    middles, near = quads.middles(quads.vertices), faces_near(quads, below)
+    away = np.sqrt(squares_to_faces(quads, quads.vertices, middles, below, near).max(initial=0))
+    return max(float(away), float(np.linalg.norm(mesh.finder.nearby(middles)[0] - middles, axis=1).max()))
 
 
 def _cost(offs: np.ndarray, patch: Patch) -> float:

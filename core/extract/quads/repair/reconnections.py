@@ -110,7 +110,7 @@ class Patch:
         valences[sides] -= 1
         removed = [side for side in sides if self._too_few(valences, [side])[0]]
         for alone in removed:
-            joined = None if self.held[alone] or self.on_rim[alone] else _join_around(faces, alone)
+            joined = None if self.held[alone] or self.on_rim[alone] else join_around(faces, alone)
             if joined is None:
                 return None
             faces, ends = joined
@@ -130,7 +130,7 @@ class Patch:
         return self._with(faces, valences)
 
 
-def _join_around(faces: np.ndarray, vertex: int) -> tuple[np.ndarray, list[int]] | None:
+def join_around(faces: np.ndarray, vertex: int) -> tuple[np.ndarray, list[int]] | None:
     """(f - 1, 4) with the only two faces at a vertex joined, and its neighbours; None if that is no quad."""
     rows, places = np.nonzero(faces == vertex)
     if len(rows) != 2:

@@ -10,10 +10,10 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ....graphs import sum_by
+from ....graphs import components, sum_by
 from ....unit_vectors import cross, unit_vectors
 from ..features.chains import SMALLEST_GAP, Chains, move_vertices
-from ..measure.quality import worst_deviations
+from ..measure.quality import corner_angles, worst_deviations
 from ..trace.quad_mesh import QuadMesh
 
 # Share by which the sides of target rectangles are moved to their mean length in the first round, falling linearly.
@@ -46,6 +46,23 @@ def fit_quads(
         if len(met):  # the nearest point of the surface to both is a corner: they stay where they were
             quads = move_vertices(quads, met, before.vertices[met], before.triangles[met], before.weights[met])
     return quads
+
+
+def keep_better(fitted: QuadMesh, before: QuadMesh) -> QuadMesh:
+    """The fitted quad mesh; components as before whose corners got farther from right angles in the mean, and whose
+    shortest edge got shorter."""
+    labels = components(len(before.vertices), before.half_edges)
+    of_corners = labels[before.corner_vertices]
+
+    def measures(quads: QuadMesh) -> tuple[np.ndarray, np.ndarray]:
+        ends = quads.vertices[quads.half_edges]
+        shortest = np.full(labels.max(initial=-1) + 1, np.inf)
+        np.minimum.at(shortest, of_corners, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+        return np.bincount(of_corners, np.abs(corner_angles(quads) - 90)), shortest
+
+    (off, shortest), (off_before, shortest_before) = measures(fitted), measures(before)
+    which = np.flatnonzero(((off > off_before) & (shortest < shortest_before))[labels])
+    return move_vertices(fitted, which, before.vertices[which], before.triangles[which], before.weights[which])
 
 
 def part_vertices(quads: QuadMesh, mesh: TriangleMesh, kept: np.ndarray) -> QuadMesh:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
@@ -19,8 +20,8 @@ from .fitting import project_vertices
 
 # Exponent of the norm of the corners' deviations, and weight of their root mean square that is added.
 POWER, SHARE = 8, 0.5
-# Largest move of a vertex in a round in each direction, in mean edges of its patch, and number of descent steps.
-REACH, STEPS = 0.4, 25
+# Largest move of a vertex in a round in each direction, in mean edges of its patch.
+REACH = 0.4
 # The first step, as a part of the largest move.
 FIRST = 0.1
 # Edges and triangles of the surface longer than this part of a quad's side are sampled at their middles, too.
@@ -80,10 +81,13 @@ class Ground:
         corners = self.mesh.triangles[quads.triangles[which]]
         return np.einsum("nk,nkx->nx", quads.weights[which], self.mesh.vertex_normals[corners])
 
-    def distances(self, patches: "Patches", vertices: np.ndarray, wanted: np.ndarray, below: Below) -> np.ndarray:
+    def distances(
+        self, patches: "Patches", vertices: np.ndarray, wanted: np.ndarray, below: Below, enough: float = 0.0
+    ) -> np.ndarray:
         """(p,) Hausdorff distances between patches, with the vertices at (n, 3) places, and the points below them.
 
-        0 for patches that are not wanted; ``below`` as :attr:`Patches.below`.
+        0 for patches that are not wanted; ``below`` as :attr:`Patches.below`. Distances up to ``enough`` sides of the
+        patch may be found too large, up to that.
         """
         quads = patches.quads
         middles = quads.middles(vertices)
@@ -95,15 +99,33 @@ class Ground:
         np.maximum.at(result, labels, np.linalg.norm(self.mesh.finder.nearby(here)[0] - here, axis=1))
         points, labels, near = below
         wanted = wanted[labels]
-        squares = squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
+        limits = (enough * patches.sides[labels[wanted]]) ** 2
+        squares = squares_to_faces(quads, vertices, middles, points[wanted], near[wanted], limits)
         np.maximum.at(result, labels[wanted], np.sqrt(squares))
         return result
 
 
 def squares_to_faces(
+    quads: QuadMesh,
+    vertices: np.ndarray,
+    middles: np.ndarray,
+    points: np.ndarray,
+    faces: np.ndarray,
+    enough: ArrayLike = 0.0,
+) -> np.ndarray:
+    """(s,) squared distances of points to the nearest of (s, k) faces each, divided into triangles at their middles.
+
+    Up to (s,) squares ``enough`` the distance to the first face will do.
+    """
+    squares = _squares_to_all(quads, vertices, middles, points, faces[:, :1])
+    far = np.flatnonzero(squares > enough)
+    squares[far] = np.minimum(squares[far], _squares_to_all(quads, vertices, middles, points[far], faces[far, 1:]))
+    return squares
+
+
+def _squares_to_all(
     quads: QuadMesh, vertices: np.ndarray, middles: np.ndarray, points: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
-    """(s,) squared distances of points to the nearest of (s, k) faces each, divided into triangles at their middles."""
     flat = faces.ravel()
     sizes = quads.sizes[flat]
     starts = np.cumsum(sizes) - sizes
@@ -176,8 +198,9 @@ class Patches:
         labels = labels[near[:, 0]]
         return samples[labels >= 0], labels[labels >= 0], near[labels >= 0]
 
-    def descend(self, directions: np.ndarray) -> np.ndarray:
-        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower the norms: Barzilai-Borwein descent."""
+    def descend(self, directions: np.ndarray, number: int) -> np.ndarray:
+        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower the norms: a number of steps of
+        Barzilai-Borwein descent."""
         start, scales = self.quads.vertices, (REACH * self.sides)[self.of_moving, None]
 
         def at(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -192,7 +215,7 @@ class Patches:
         shares = np.zeros((len(self.moving), 2))
         norms, slopes = at(shares)
         steps = FIRST / np.sqrt(np.maximum(sums(slopes, slopes), _TINY))
-        for _ in range(STEPS):
+        for _ in range(number):
             # Steps that increase the norm are shortened and tried again.
             tried = np.clip(shares - steps[self.of_moving, None] * slopes, -1, 1)
             new_norms, new_slopes = at(tried)

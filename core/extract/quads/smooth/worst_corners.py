@@ -22,6 +22,8 @@ BAD = 25.0
 RINGS = (0, 2)
 # Parts of its move that a patch tries; it takes the first that is better.
 PARTS = (1.0, 0.4)
+# Number of descent steps.
+STEPS = 25
 # Smallest share by which a norm must fall.
 GAIN = 0.01
 # A patch may be farther from the surface than before by this share, or as far as this part of its mean edge.
@@ -36,11 +38,12 @@ def move_worst_corners(
     free: np.ndarray,
     chains: Chains | None = None,
     ground: Ground | None = None,
+    steps: int = STEPS,
 ) -> QuadMesh:
     """The quad mesh with vertices moved where corners are bad; arguments as of :func:`fit_quads`.
 
     No patch's worst corner gets worse; corners that are turned over count as the worst. ``ground``: the part of the
-    surface below, all of it by default.
+    surface below, all of it by default; ``steps``: of descent.
     """
     lines = sliding_lines(free, chains)
     moving = _moving(quads, free, RINGS[0])
@@ -52,7 +55,7 @@ def move_worst_corners(
         if len(moving) == 0:
             break
         patches = Patches.of(quads, ground, moving)
-        moves = patches.descend(_directions(quads, mesh, moving, lines, chains))
+        moves = patches.descend(_directions(quads, mesh, moving, lines, chains), steps)
         quads, _ = patches.move_better(moves, PARTS, lines, chains, _judge(patches))
     return quads
 
@@ -71,15 +74,17 @@ def _moving(quads: QuadMesh, free: np.ndarray, rings: int) -> np.ndarray:
 
 def _judge(patches: Patches) -> Judge:
     """A function that tells which patches are better with moved vertices."""
-    ground, before = patches.ground, patches.quads.vertices
+    ground, before, below = patches.ground, patches.quads.vertices, patches.below
     norms, worst, _ = patches.norms(before)
-    apart = ground.distances(patches, before, np.ones(len(norms), bool), patches.below)
-    limits = np.maximum((1 + FARTHER) * apart, NEAR * patches.sides)
 
     def are_better(vertices: np.ndarray, waiting: np.ndarray) -> np.ndarray:
         new_norms, new_worst, _ = patches.norms(vertices)
         better = waiting & (new_norms < (1 - GAIN) * norms) & (new_worst <= worst)
-        return better & (ground.distances(patches, vertices, better, patches.below) <= limits)
+        away = ground.distances(patches, vertices, better, below, NEAR)
+        far = better & (away > NEAR * patches.sides)
+        if far.any():
+            better &= ~far | (away <= (1 + FARTHER) * ground.distances(patches, before, far, below))
+        return better
 
     return are_better
 

@@ -14,7 +14,7 @@ from .grid_lines import GridLines, grid_lines
 from .line_graph import LineGraph
 from .relocate_disclinations import relocate_disclinations
 
-# Edges shorter than this part of the median length count as degenerate.
+# Edges shorter than this part of the median length of their component count as degenerate.
 SHORTEST = 1e-4
 # Corners of the face of a round component.
 _CORNERS = 4
@@ -205,9 +205,7 @@ def _without_short_edges(quads: QuadMesh) -> QuadMesh:
 
     Such edges arise where lines that meet at a vertex of the surface were moved aside from it.
     """
-    edges, lengths = quads.edges[0], quads.edge_lengths
-    short = edges[lengths < SHORTEST * np.median(lengths)] if len(edges) else edges
-    labels = components(len(quads.vertices), short)
+    labels = components(len(quads.vertices), quads.edges_without_length)
     first = np.unique(labels, return_index=True)[1]
     corners = first[labels[quads.corner_vertices]]
     stays = corners != corners[quads.next_corners]

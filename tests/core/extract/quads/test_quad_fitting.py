@@ -11,8 +11,10 @@ from synch_fields.core.extract.quads.features.chains import follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
 from synch_fields.core.extract.quads.smooth import fitting
-from synch_fields.core.extract.quads.smooth.fitting import fit_quads, part_vertices, project_vertices
+from synch_fields.core.extract.quads.smooth.fitting import fit_quads, keep_better, part_vertices, project_vertices
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.barycentric import barycentric
 
 from ...flat_crosses import plane_edge_phases
 from ...meshes import square
@@ -135,3 +137,41 @@ def test_edges_are_without_length_compared_to_their_own_component():
     places = np.concatenate([large, small, cut])
     quads = QuadMesh(places, np.zeros(12, int), np.ones((12, 3)) / 3, np.arange(12), np.full(3, 4))
     np.testing.assert_array_equal(quads.edges_without_length, [[8, 9]])
+
+
+def tetrahedron_of_quads():
+    """A tetrahedron, and three quads on each of its faces, between its corners, the middles of edges and the middle."""
+    corners = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)], float)
+    triangles = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
+    mesh = TriangleMesh(corners, triangles)
+    middles = 4 + mesh.triangle_edges
+    at = [(middles[:, k - 1], triangles[:, k], middles[:, k], 10 + np.arange(4)) for k in range(3)]
+    places = np.concatenate([corners, corners[mesh.edges].mean(axis=1), corners[triangles].mean(axis=1)])
+    places, found = mesh.finder.nearest(places)
+    faces = np.concatenate([np.column_stack(face) for face in at])
+    return mesh, QuadMesh(places, found, barycentric(mesh, found, places), faces.ravel(), np.full(12, 4))
+
+
+def test_components_that_fitting_makes_worse_stay_as_they_were():
+    """Three quads on each face of a tetrahedron, whose corners are off by 30 degrees at most; rough squares beside them
+    become better, and stay so."""
+    mesh, quads = tetrahedron_of_quads()
+    quads, chains = follow_features(quads, FeatureLines.of(mesh, np.arange(6)))
+    assert np.abs(corner_angles(quads) - 90).reshape(-1, 4) == pytest.approx(np.tile([0.0, 30, 0, 30], (12, 1)))
+    worse = fit_quads(quads, mesh, ~chains.fixed, 20, chains)
+    assert worse.edge_lengths.min() < 0.9 * quads.edge_lengths.min()
+    assert np.abs(corner_angles(worse) - 90).mean() > 1.1 * np.abs(corner_angles(quads) - 90).mean()
+    np.testing.assert_array_equal(keep_better(worse, quads).vertices, quads.vertices)
+    _, flat, inside = grid()
+    rough = moved(flat, inside, np.random.default_rng(0).uniform(-0.3, 0.3, (inside.sum(), 2)) / CELLS)
+    both = beside(quads, rough)
+    after = keep_better(beside(worse, flat), both)
+    np.testing.assert_array_equal(after.vertices, np.concatenate([quads.vertices, flat.vertices]))
+
+
+def beside(first, second):
+    """Two quad meshes in one, on surfaces that are not told."""
+    count = len(first.vertices)
+    names = ("vertices", "triangles", "weights", "sizes")
+    arrays = {name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names}
+    return QuadMesh(corner_vertices=np.append(first.corner_vertices, count + second.corner_vertices), **arrays)

@@ -312,3 +312,13 @@ def test_figures_of_a_perfect_grid_are_perfect():
     assert figures["quad_share"] == 1 and figures["irregular_vertices"] == 0 and figures["euler_characteristic"] == 1
     assert figures["angle_deviation"] < 1e-3 and figures["length_spread"] < 1e-5 and not figures["closed"]
     assert figures["edge_length"] == pytest.approx(0.125, rel=1e-5)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-6])
+def test_a_small_component_keeps_the_edges_of_its_own_size(size):
+    large = square(12)
+    mesh = together(large, TriangleMesh(size * large.vertices, large.triangles))
+    values = np.tile(8 * np.pi * large.vertices[:, :2], (2, 1))
+    i, j = mesh.edges.T
+    quads = quad_mesh(EdgePhases(mesh, values, values[j] - values[i], np.zeros(len(mesh.edges), int)))
+    assert len(quads.sizes) == 2 * 64 and (quads.sizes == 4).all()

@@ -86,6 +86,19 @@ def test_a_quad_alone_at_a_vertex_on_the_plane_is_joined_with_its_reflection():
     assert {tuple(place) for place in whole.vertices} == {(0, 1, 0), (-1, 0, 0), (0, -1, 0), (1, 0, 0)}
 
 
+def test_two_quads_alone_at_neighbours_on_the_plane_become_one_with_their_reflections():
+    """Both have the same corner off the plane, and the vertex between them has no edges but to it and its image."""
+    side = MirrorSide.of(sheet(), np.array([X]))
+    places = np.array([[0, y, 0] for y in (1, 0.5, 0, -0.5, -1)] + [[1, 0, 0.0]])
+    _, triangles = side.mesh.finder.nearest(places)
+    corners = side.mesh.vertices[side.mesh.triangles[triangles]]
+    weights = (np.linalg.norm(corners - places[:, None], axis=2) < 1e-9).astype(float)
+    quads = QuadMesh(places, triangles, weights, np.array([0, 1, 2, 5, 2, 3, 4, 5]), np.array([4, 4]))
+    whole = side.finish(quads, (), 0, True)
+    assert {tuple(place) for place in whole.vertices} == {(0, 1, 0), (-1, 0, 0), (0, -1, 0), (1, 0, 0)}
+    assert len(whole.sizes) == 1 and without_image(whole, X) == 0
+
+
 def test_vertices_without_an_image_are_counted():
     places = np.array([[-1, 0, 0], [1, 0, 0], [1, 1, 0], [-1, 1.1, 0]])
     quads = QuadMesh(places, None, None, np.arange(4), np.array([4]))
