@@ -162,7 +162,7 @@ def draw_spacing(column, simple, settings):
     automatic."""
     row = column.row(align=True)
     row.prop(simple, "lines")
-    row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
+    row.prop(simple, "automatic_spacing", text="Auto", toggle=True)
     if settings.automatic_spacing:
         draw_told(column, simple.kind, original_of(simple.id_data))
     else:

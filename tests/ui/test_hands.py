@@ -44,6 +44,24 @@ def test_lines_across_and_the_spacing_are_dragged_and_say_the_same(panel, keep):
     assert after > spacing and np.isclose(lines_after * after, lines * spacing, rtol=1e-5)
 
 
+def test_automatic_turned_off_leaves_what_it_chose(panel, keep):
+    add_ball(panel, 5)
+    lines = panel.value("active().synch_simple.lines")
+    automatic = "active().synch.automatic_spacing"
+    panel.click("Auto")
+    panel.until(f"not {automatic}")
+    assert np.isclose(panel.value("active().synch_simple.lines"), lines, rtol=1e-5)
+    panel.wait_for("Spacing")
+    keep("automatic_off", panel.picture("UI"))
+    panel.click("Auto")
+    panel.until(automatic)
+    used = solved(panel)["settings"]["spacing"]
+    panel.click("Auto")
+    panel.until(f"not {automatic}")
+    assert np.isclose(panel.value("active().synch.spacing"), used, rtol=1e-5)
+    assert not panel.shows(panel.says("Update {what}", what=panel.says("Stripes")))
+
+
 def test_the_dice_shows_a_field_near_the_best_and_says_how_far_it_is(panel, keep):
     add_ball(panel, 4)
     panel.run("active().synch.spacing = 0.4")
