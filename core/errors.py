@@ -79,7 +79,8 @@ class AsymmetryError(MeshError):
     def __init__(self, axis: str, vertices: ArrayLike) -> None:
         super().__init__(
             f"the mesh is not symmetric in {axis}: {name_elements('vertex', np.unique(vertices))} lack a counterpart: "
-            f"symmetrize it (Mesh > Symmetrize), or switch the mirror off",
+            "symmetrize it (Mesh > Symmetrize), join triangles with other diagonals (Face > Tris to Quads), or switch "
+            "the mirror off",
             vertices,
         )
         self.axis = axis

@@ -42,7 +42,7 @@ from .looks import presets
 from .patterns import lines as line_object
 from .patterns import memory
 from .patterns.carrying import add_carry
-from .patterns.job import FieldJob, rewrite, write_quads, write_result
+from .patterns.job import FieldJob, rewrite, write_changed, write_quads
 from .patterns.numbers import number_stripes as number_stripes
 from .patterns.read_back import shown_pattern
 from .patterns.refine import refine as refine
@@ -144,7 +144,7 @@ def vary(obj: bpy.types.Object, number: int) -> Json:
 
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
-        return _write_changed(obj, memory.recall(obj), change, change, number)
+        return write_changed(obj, memory.recall(obj), change, change, number)
 
 
 def place_defects(
@@ -338,22 +338,7 @@ def _edit(
     with meshes.object_mode(obj), whole_or_nothing():
         shown = memory.recall(obj)
         onto = shown if onto is None else replace(onto, request=shown.request)
-        return _write_changed(obj, onto, edit, onto.then(edit), onto.number, renumber)
-
-
-def _write_changed(
-    obj: bpy.types.Object,
-    solved: memory.Solved,
-    make: Callable[[memory.Solved], DirectionField | Pattern],
-    change: Callable[[memory.Solved], DirectionField | Pattern],
-    number: int,
-    renumber: bool = True,
-) -> Json:
-    """Write what ``make`` finds, which is a change of the solution."""
-    report = solved.report.for_another_result()
-    with report.clock("round"):
-        field, pattern = solved.field_and_pattern(make(solved))
-    return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
+        return write_changed(obj, onto, edit, onto.then(edit), onto.number, renumber)
 
 
 def import_field(obj: bpy.types.Object, path: str | Path) -> str:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Line ends at chosen places, and other configurations of defects, from one solve (paper, Section 4.6)."""
 
-from collections.abc import Iterable
+from collections.abc import Collection
 from typing import TypeVar
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import SettingError, name_elements, quote_value
 from ..interpolate import dislocation_numbers
+from ..monitor import Callback, Monitor
 from ..solution import COARSE, Options
 from ..solve import solve
 from .directions import SolvedField
@@ -26,24 +27,31 @@ def variation(pattern: _Field, number: int) -> _Field:
     The first numbers, from 0, are the local optima found by the solve, best first; higher numbers are the seeds of a
     search on a coarser problem, from which descent leads to a local optimum.
     """
+    return pattern.with_phases(_varied_phases(pattern, number))
+
+
+def _varied_phases(pattern: Pattern | SolvedField, number: int) -> np.ndarray:
     ready = pattern.solution.variations
     if number < len(ready):
-        return pattern.with_phases(ready[number])
+        return ready[number]
     if pattern.solution.lifted is None:
         raise SettingError("only the semidefinite method finds variations: choose it and solve again")
-    return pattern.with_phases(solve(pattern.problem, Options(method=COARSE, seed=number)).phases)
+    return solve(pattern.problem, Options(method=COARSE, seed=number)).phases
 
 
-def nearest_variation(pattern: _Field, numbers: Iterable[int]) -> int:
-    """The first of some numbers whose variation is near the best in energy, or the one that is nearest."""
-    energies: dict[int, float] = {}
+def nearest_variation(
+    pattern: Pattern | SolvedField, numbers: Collection[int], progress: Callback | None = None
+) -> tuple[int, np.ndarray]:
+    """Number and phases of the first of some variations that is near the best in energy, or of the nearest one."""
+    monitor = Monitor(progress)
+    found: list[tuple[float, int, np.ndarray]] = []
     for number in numbers:
-        energy = variation(pattern, number).energy
-        assert energy is not None
-        energies[number] = energy
-        if energy <= (1 + NEAR) * pattern.solution.energy:
+        monitor.at("searching", len(found) / len(numbers))
+        phases = _varied_phases(pattern, number)
+        found.append((pattern.problem.energy(phases), number, phases))
+        if found[-1][0] <= (1 + NEAR) * pattern.solution.energy:
             break
-    return min(energies, key=energies.__getitem__)
+    return min(found, key=lambda one: one[0])[1:]
 
 
 def with_line_ends(pattern: Pattern, vertices: ArrayLike) -> Pattern:

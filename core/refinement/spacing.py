@@ -48,16 +48,17 @@ def automatic_spacing(mesh: TriangleMesh, per_period: int, across: float = LINES
 def spacing_across(size: float, area: float, finest: float, per_period: int, across: float = LINES_ACROSS) -> float:
     """Choose as :func:`automatic_spacing` from a surface's longest side, area, and finest spacing that it carries."""
     if finest <= 2 * np.sqrt(area / FEWEST_QUADS):
-        return _spacing_carried(size, finest, per_period, across)
+        return spacing_carried(size, finest, per_period, across)
     return wished_spacing(area, per_period) * LINES_ACROSS / across
 
 
 def spacing_on_faces(mesh: TriangleMesh, per_period: int) -> float:
     """Choose as :func:`automatic_spacing` without a finer copy: as many lines as the edges carry, at least two."""
-    return _spacing_carried(_size(mesh), carried_spacing(mesh.edge_lengths), per_period, LINES_ACROSS)
+    return spacing_carried(_size(mesh), carried_spacing(mesh.edge_lengths), per_period)
 
 
-def _spacing_carried(size: float, finest: float, per_period: int, across: float) -> float:
+def spacing_carried(size: float, finest: float, per_period: int, across: float = LINES_ACROSS) -> float:
+    """Choose as :func:`spacing_on_faces` from a surface's longest side and finest spacing that it carries."""
     return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
 
 

@@ -93,11 +93,11 @@ def _declared(image, name, map_name):
     return image
 
 
-def show_images(obj, kind, images, uv_map, with_displacement):
+def show_images(obj, kind, images, uv_map, with_displacement, name):
     """Show images on an object: in the slots that show the pattern, or else in a new last one. Returns the materials.
 
     Each remembers the material that it replaces, which stays in the file and is what the next bake looks at.
-    ``images``: by the names of their maps.
+    ``images``: by the names of their maps; ``name``: of a new material.
     """
     shown = [(slot, source) for slot, source in zip(obj.material_slots, sources(obj), strict=True)]
     shown = [(slot, source) for slot, source in shown if pattern_node(source, kind) or _is_made_for(slot.material, obj)]
@@ -109,7 +109,7 @@ def show_images(obj, kind, images, uv_map, with_displacement):
         keep(material)  # before slots are changed: what takes its place where the work fails comes to them last
     for slot, source in shown:
         if source not in made:
-            made[source] = _new_material(obj, source)
+            made[source] = _new_material(obj, source, name)
         assign(slot, "material", made[source])
     for material in made.values():
         _fill(material, obj, images, uv_map, with_displacement)
@@ -120,8 +120,8 @@ def _is_made_for(material, obj):
     return material is not None and material.get(_MADE) == obj.name
 
 
-def _new_material(obj, source):
-    material, surface, _ = surface_material(f"{obj.name} Baked")
+def _new_material(obj, source, name):
+    material, surface, _ = surface_material(name)
     material[_MADE] = obj.name
     if source is not None:
         material[SOURCE] = source

@@ -104,9 +104,8 @@ def _baking(link, settings):
                 if is_new:
                     _add_layer(obj, report["uv_map"], coordinates)
                 if settings.material:
-                    shown = bake_images.show_images(
-                        surface_of(obj), kind, images, report["uv_map"], settings.displacement
-                    )
+                    given = images, report["uv_map"], settings.displacement, f"{obj.name} Baked"
+                    shown = bake_images.show_images(surface_of(obj), kind, *given)
                     report["materials"] = [material.name for material in shown]
     return report | {"seconds": time.perf_counter() - start, "versions": versions()}
 

@@ -27,9 +27,14 @@ def surface_modifier(obj):
 
 def shows_vertices_first(obj):
     """Whether the first vertices that an object's modifiers show are those of the mesh that carries its pattern."""
+    return not any(one.type not in _KEEP_FIRST for one in changing_later(obj))
+
+
+def changing_later(obj):
+    """The modifiers after the one that shows a pattern's own surface, or all without it, that may make other faces."""
     bound, modifiers = surface_modifier(obj), list(obj.modifiers)
     later = modifiers if bound is None else modifiers[modifiers.index(bound) + 1 :]
-    return not any(changes_faces(one) and one.type not in _KEEP_FIRST and not is_ours(one) for one in later)
+    return [modifier for modifier in later if changes_faces(modifier) and not is_ours(modifier)]
 
 
 def faces_of_object(obj, faces):

@@ -185,12 +185,12 @@ class Work:
     @property
     def line(self):
         """How far it is, for the status bar."""
-        return f"{self.share:.0%}  {translate(self._doing)}"
+        return f"{self.share:.0%}  {self._doing}"
 
     @property
     def short_line(self):
         """How far it is, for the progress bar: the seconds left, or what it does and for how long."""
-        left, stage = self._left, translate(self._doing)
+        left, stage = self._left, self._doing
         told = f"{stage}, {as_time(self.age)}"
         if left is not None:
             told = translate("about {left} left", left=as_time(left))
@@ -199,9 +199,12 @@ class Work:
 
     @property
     def _doing(self):
-        """The stage in an artist's words, without the figures that the solver adds behind a comma."""
-        name = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")[0]
-        return _WORDS.get(name, name)
+        """The stage in an artist's words, without the figures that the solver adds behind a comma; of an animation
+        with its frame, as in "Frame 6: improving"."""
+        stage = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")[0]
+        frame, _, name = stage.rpartition(": ")
+        name = translate(_WORDS.get(name, name))
+        return f"{translate('Frame')} {frame.removeprefix('frame ')}: {name}" if frame else name
 
     @property
     def _left(self):

@@ -26,7 +26,4 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
         return AnimationJob(context.active_object, self._settings(), span_of(self, context.scene))
 
     def _headline(self, report):
-        frames = report["frames"]
-        line = f"{report['pattern']} in {count_text(len(frames), 'frame')}"
-        changes = [frame["change"] for frame in frames if frame["change"] is not None]
-        return f"{line}, at most {max(changes):.2f} of change at once" if changes else line
+        return f"{report['pattern']} in {count_text(len(report['frames']), 'frame')}"

@@ -15,6 +15,9 @@ _TARGETS = (
     ("LAYERS", "Layer Spacing", "The factor on the spacing of layers from place to place"),
 )
 
+# Range of a new map of spacing: one paints where lines are to be nearer to each other.
+_FINER = 0.5
+
 
 class SYNCH_OT_paint_map(bpy.types.Operator):
     """Paint this map with the brush's value; its vertex group is made if there is none"""
@@ -41,7 +44,10 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
             group = obj.vertex_groups.new(name=name or chosen.group)
             group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")  # without weights all is black
             name = group.name
-            setattr(getattr(obj, chosen.settings), chosen.name, name)
+            settings = getattr(obj, chosen.settings)
+            setattr(settings, chosen.name, name)
+            if self.target != "ANGLE" and not settings.is_property_set(chosen.full):
+                setattr(settings, chosen.full, _FINER)
         obj.vertex_groups.active = obj.vertex_groups[name]
         set_mode(obj, "WEIGHT_PAINT")
         return {"FINISHED"}

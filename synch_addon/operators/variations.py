@@ -8,16 +8,16 @@ import bpy
 from bpy.props import IntProperty
 
 from ...core.errors import SettingError
-from ...core.fields.placement import nearest_variation, with_line_ends
+from ...core.fields.placement import with_line_ends
 from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender.translations import translate
 from ..jobs.report import count_text
 from ..patterns import memory
-from ..patterns.found_again import VariationsJob
+from ..patterns.found_again import DrawnVariationJob, VariationsJob
 from ..patterns.numbers import renew_shown
 from ..settings.rna import property_of
-from .field_operator import ObjectOperator
+from .field_operator import BackgroundOperator, ObjectOperator
 from .picking import PickingOperator
 from .ready import PromptOperator, ReadyOperator
 
@@ -84,11 +84,12 @@ class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
         return _find_variations(api.trace_quads(context.active_object, self.smoothing))
 
 
-class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operator):
+class SYNCH_OT_draw_variation(_VaryingOperator, BackgroundOperator, bpy.types.Operator):
     """Show another field of nearly the same energy, found by a search that begins at random"""
 
     bl_idname = "synch.draw_variation"
     bl_label = "Draw Variation"
+    bl_options = {"REGISTER", "UNDO"}
 
     number: IntProperty(
         name="Variation",
@@ -97,14 +98,16 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
         options={"SKIP_SAVE"},
     )
 
-    def make(self, context):
-        obj = context.active_object
-        best = memory.solve_of(obj).shown
-        if not self.number:
-            self.number = nearest_variation(best, [random.randrange(*_DRAWN) for _ in range(_TRIES)])
-        report = api.vary(obj, self.number)
-        more = report["energy"] / best.solution.energy - 1 if best.solution.energy > 0 else 0.0
-        return f"{_find_variations(report)}; {more:+.1%} energy, against the best"
+    def _job(self, context):
+        numbers = [self.number] if self.number else [random.randrange(*_DRAWN) for _ in range(_TRIES)]
+        return DrawnVariationJob(context.active_object, numbers)
+
+    def _announce(self, context, report):
+        self.number = report["variation"]  # the redo panel shows it
+        return super()._announce(context, report)
+
+    def _headline(self, report):
+        return f"{_find_variations(report)}; {report['more']:+.1%} energy, against the best"
 
 
 class SYNCH_OT_find_variations(ObjectOperator, bpy.types.Operator):

@@ -7,11 +7,15 @@ from gpu_extras.batch import batch_for_shader
 
 from ...core.tasks.flows import FilamentPicture
 from ..jobs.queue import queue
-from .overlay_view import nearer
+from .overlay_view import NEARER, nearer
 from .pattern_shader import DrawnPattern
 
 # Width of filaments in pixels, and their colour.
 _WIDTH, _COLOR = 2.5, (1.0, 0.45, 0.0, 1.0)
+
+# Share of the distance by which a picture is nearer than a quad mesh that it is drawn over, whose faces are flat where
+# the surface bends.
+_BEFORE_QUADS = 0.03
 
 
 class _View:
@@ -36,8 +40,9 @@ class _View:
         if picture is None:
             self._picture = self._drawn = None
             return
-        region, link = context.region_data, getattr(work.job, "replaced", None) or work.job.link
-        view = nearer(region) @ region.view_matrix
+        region, replaced = context.region_data, getattr(work.job, "replaced", None)
+        link = replaced or work.job.link
+        view = nearer(region, _BEFORE_QUADS if replaced else NEARER) @ region.view_matrix
         if link is not None:
             obj = link.present
             if obj is None or not obj.visible_get(view_layer=context.view_layer, viewport=context.space_data):

@@ -4,6 +4,8 @@
 import bpy
 
 from ..blender.defect_empties import collection_of_defects
+from ..blender.modifiers import shows_frames
+from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.schema import KEPT
 from ..blender.translations import translate, translate_count
@@ -49,9 +51,10 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     def draw(self, context):
         """What only shows can be changed while a job runs; the rest is grey."""
         obj, result = context.active_object, _found(context)
-        if result.get("command") in {"stripes", "quads"}:
+        has_pattern = pattern_kind(obj) is not None
+        if has_pattern:
             draw_shading(self.layout, context)
-        if result and result["command"] != "quad_mesh":
+        if has_pattern or result.get("command") == "directions":
             draw_shown_defects(self.layout, obj, context.scene.synch_overlay)
         self.draw_body(context)
 
@@ -115,9 +118,12 @@ def _found(context):
 
 
 def draw_nothing_found(layout, obj):
-    """Say that there is no result, or of which object the layers are that this one shows."""
+    """Say that there is no result, but a pattern in each frame, or of which object the layers are that this one
+    shows."""
     solid = solid_of(obj)
-    if solid == obj:
+    if any(map(shows_frames, obj.modifiers)):
+        layout.label(text="Animated: a new solve replaces it", icon="INFO")
+    elif solid == obj:
         layout.label(text="Not solved yet", icon="INFO")
     else:
         layout.label(text=translate("Layers of {name}", name=solid.name), icon="ALIGN_JUSTIFY", translate=False)

@@ -6,7 +6,8 @@ import bpy
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
-from ..blender.modifiers import carries, changing_modifiers, is_of_filaments
+from ..blender.modifiers import carries, is_of_filaments
+from ..blender.pattern_surface import changing_later
 from ..blender.phases import pattern_kind
 from ..blender.registration import register_all
 from ..blender.translations import translate
@@ -162,7 +163,7 @@ def draw_spacing(column, simple, settings):
     automatic."""
     row = column.row(align=True)
     row.prop(simple, "lines")
-    row.prop(settings, "automatic_spacing", text="Auto", toggle=True)
+    row.prop(simple, "automatic_spacing", text="Auto", toggle=True)
     if settings.automatic_spacing:
         draw_told(column, simple.kind, original_of(simple.id_data))
     else:
@@ -332,7 +333,7 @@ def draw_made(layout, obj):
     row.operator("synch.relief", icon="MOD_DISPLACE")
     if memory.holds(obj) and pattern_kind(obj) == "quads":
         layout.operator("synch.trace_quads", icon="MOD_REMESH")
-    if changing_modifiers(obj) and not any(map(carries, obj.modifiers)):
+    if any(one.show_viewport for one in changing_later(obj)) and not any(map(carries, obj.modifiers)):
         layout.operator("synch.carry", icon="MODIFIER")
 
 

@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from ...core.refinement.spacing import lines_in_period
 from ..blender.registration import register_all
+from ..jobs.kept_results import read_result_or_empty
 from ..patterns.refine import expected_spacing, mesh_detail
 from ..settings.fields import original_of
 
@@ -33,6 +34,8 @@ _KIND_ITEMS = (
     ("quad_mesh", "Quad Mesh", "A new mesh of quads, and the object is hidden", "MOD_REMESH", 2),
     ("directions", "Directions", "A direction at each vertex, without lines", "ORIENTATION_NORMAL", 3),
 )
+# By how much, at most, an estimate of the automatic spacing differs from the one that is solved.
+_ESTIMATE_ERROR = 0.1
 
 
 def _get_direction(simple):
@@ -80,6 +83,16 @@ def _set_lines(simple, count):
         stored.spacing, stored.automatic_spacing = _size(simple) / count, False
 
 
+def _set_automatic(simple, is_automatic):
+    """Off, the spacing stays what it was: the solved one where the estimate for the mesh of now is close to it."""
+    obj = simple.id_data
+    told = None if is_automatic else expected_spacing(simple.kind, original_of(obj))
+    if told:
+        solved = (read_result_or_empty(obj.synch.result).get("settings") or {}).get("spacing") or 0.0
+        obj.synch.spacing = solved if math.isclose(solved, told, rel_tol=_ESTIMATE_ERROR) else told
+    obj.synch.automatic_spacing = is_automatic
+
+
 class SynchSimple(bpy.types.PropertyGroup):
     """What the simple panel makes of an object."""
 
@@ -103,6 +116,12 @@ class SynchSimple(bpy.types.PropertyGroup):
         soft_max=200,
         precision=0,
         step=100,
+    )
+    automatic_spacing: BoolProperty(
+        name="Automatic Spacing",
+        description="About forty stripes across the object, or as many as the mesh can carry",
+        get=lambda simple: simple.id_data.synch.automatic_spacing,
+        set=_set_automatic,
     )
 
 

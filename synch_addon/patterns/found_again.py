@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solves a pattern of an opened file again: its variations come back, and what the object shows stays."""
+"""Jobs for variations: those of an opened file, found by solving again, and one that is drawn at random."""
 
+from ...core.errors import SynchError
+from ...core.files.json_text import Json
+from ...core.tasks.variations import VariationRequest
 from ..blender import meshes
+from ..blender.objects import ObjectLink
 from ..blender.transaction import whole_or_nothing
 from ..jobs.kept_results import read_result, read_settings
-from . import job
+from . import job, memory
 from .favourites import matching_solve
 from .read_back import read_back
 
@@ -40,3 +44,26 @@ class VariationsJob(job.FieldJob):
             fresh = solved.report.for_another_result()
             change = lambda state: state.pattern.with_phases(phases)  # noqa: E731
             return job.write_result(obj, *arguments, fresh, self._number, change, instead=True)
+
+
+class DrawnVariationJob:
+    """The nearest of some variations of what an object shows; see :mod:`..jobs.job`."""
+
+    def __init__(self, obj, numbers):
+        meshes.refuse(obj)
+        with meshes.object_mode(obj):
+            solved = memory.recall(obj).compact()
+        self.link, self.request = ObjectLink.to(obj), VariationRequest(solved.shown, tuple(numbers))
+
+    def write(self, result) -> Json:
+        """Write the result to the object at once; returns the report with the number as ``variation``, and as ``more``
+        how much more energy it has than the best, as a share."""
+        obj, best, (number, phases) = self.link.found, self.request.solved.solution, result
+        change = lambda solved: solved.shown.with_phases(phases)  # noqa: E731
+        with meshes.object_mode(obj), whole_or_nothing():
+            solved = memory.recall(obj)
+            if solved.shown.solution is not best:
+                raise SynchError(f"{obj.name} shows another solve than before: draw again")
+            report = job.write_changed(obj, solved, change, change, number)
+        more = report["energy"] / best.energy - 1 if best.energy > 0 else 0.0
+        return report | {"variation": number, "more": more}

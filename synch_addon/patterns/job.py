@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fields, patterns and quad meshes as jobs: the scene is read into a request, its result is written and remembered."""
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, replace
 
@@ -8,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import AsymmetryError, SynchError
+from ...core.fields import DirectionField, Pattern
 from ...core.files.json_text import Json
 from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
@@ -97,6 +99,21 @@ def write_result(obj, request, field, pattern, report, number=0, change=None, re
     plain = report.finish(field, pattern, defects)
     _remember(obj, memory.Solved(request, field, pattern, report, plain, number, change), instead)
     return plain
+
+
+def write_changed(
+    obj: bpy.types.Object,
+    solved: memory.Solved,
+    make: Callable[[memory.Solved], DirectionField | Pattern],
+    change: Callable[[memory.Solved], DirectionField | Pattern],
+    number: int,
+    renumber: bool = True,
+) -> Json:
+    """Write what ``make`` finds, which is a change of the solution."""
+    report = solved.report.for_another_result()
+    with report.clock("round"):
+        field, pattern = solved.field_and_pattern(make(solved))
+    return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
 
 
 def _pins_cost(obj, request, field, report):

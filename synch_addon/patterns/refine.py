@@ -20,6 +20,7 @@ from ...core.refinement.spacing import (
     carries_few_lines,
     lines_in_period,
     spacing_across,
+    spacing_carried,
     wished_spacing,
 )
 from ...core.validation import convert_value
@@ -91,9 +92,11 @@ def expected_spacing(command, obj):
     if found is None:
         return None
     per_period = lines_in_period(command)
+    if obj.synch.surface == "FACES":
+        return spacing_carried(found.size, found.finest, per_period)
     told = spacing_across(found.size, found.area, found.finest, per_period)
     is_refined = obj.synch.surface == "SEEN" or carries_few_lines(command, found.size, told)
-    return wished_spacing(found.area, per_period) if is_refined and obj.synch.surface != "FACES" else told
+    return wished_spacing(found.area, per_period) if is_refined else told
 
 
 def expected_faces(obj):

@@ -9,7 +9,7 @@ from ..blender.registration import register_all
 _WISHES = (
     ("ALONG", "Along", "Stripes run along the stroke"),
     ("ACROSS", "Across", "Stripes cross the stroke at a right angle"),
-    ("PHASE", "Stripe Here", "A stripe lies on the stroke"),
+    ("PHASE", "Line Here", "A stripe, or a row of edges of a quad mesh, lies on the stroke"),
 )
 
 

@@ -115,7 +115,7 @@ def test_strokes_behind_the_surface_are_left_alone(ball):
 def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
     ball.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.3")
     ball.click("Draw Strokes")
-    ball.click("Stripe Here")
+    ball.click("Line Here")
     ball.drag(line(ball, (-0.6, -0.3), (0, 0.2), (0.6, -0.1)))
     ball.until(f"{COUNT} == 1")
     assert ball.value("active().synch.constraints[0].what") == "PHASE"
@@ -141,7 +141,7 @@ def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
 
 def test_panels_are_not_cut_off(ball, keep):
     ball.click("Draw Strokes")
-    ball.wait_for("Stripe Here")
+    ball.wait_for("Line Here")
     keep("drawing_panel", ball.picture("UI"))
     ball.run("bpy.ops.synch.paint_map(target='SPACING')")
     ball.wait_for("Done Painting")

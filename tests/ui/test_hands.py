@@ -44,20 +44,39 @@ def test_lines_across_and_the_spacing_are_dragged_and_say_the_same(panel, keep):
     assert after > spacing and np.isclose(lines_after * after, lines * spacing, rtol=1e-5)
 
 
+def test_automatic_turned_off_leaves_what_it_chose(panel, keep):
+    add_ball(panel, 5)
+    lines = panel.value("active().synch_simple.lines")
+    automatic = "active().synch.automatic_spacing"
+    panel.click("Auto")
+    panel.until(f"not {automatic}")
+    assert np.isclose(panel.value("active().synch_simple.lines"), lines, rtol=1e-5)
+    panel.wait_for("Spacing")
+    keep("automatic_off", panel.picture("UI"))
+    panel.click("Auto")
+    panel.until(automatic)
+    used = solved(panel)["settings"]["spacing"]
+    panel.click("Auto")
+    panel.until(f"not {automatic}")
+    assert np.isclose(panel.value("active().synch.spacing"), used, rtol=1e-5)
+    assert not panel.shows(panel.says("Update {what}", what=panel.says("Stripes")))
+
+
 def test_the_dice_shows_a_field_near_the_best_and_says_how_far_it_is(panel, keep):
     add_ball(panel, 4)
     panel.run("active().synch.spacing = 0.4")
     best = solved(panel)["energy"]
     x, _, width, _ = panel.region()
     for throw in range(3):
+        before = panel.value("active().synch_shown.variation")
         panel.click((x + width - 45, panel.wait_for("Variation")[1]))
-        panel.until("active().synch_shown.variation >= 100")
+        panel.until(f"{IDLE} and active().synch_shown.variation not in (0, {before})")
+        panel.move((600, 500))  # the tooltip would lie over what it costs
         more = result(panel)["energy"] / best - 1
         assert more <= 0.05, throw
         panel.wait_for(panel.says("{more:+.1%} energy, against the best", more=more))
     keep("dice", panel.picture())
     drawn = panel.value("active().synch_shown.variation")
-    panel.move((600, 500))
     panel.press("F9")
     panel.wait_for(str(drawn), "WINDOW")  # F9 says which one it is
     keep("dice_redo", panel.picture())

@@ -115,6 +115,15 @@ def test_height_bumps_where_there_are_no_normals_and_displaces_on_request():
     assert kinds["BSDF_PRINCIPLED"].inputs["Roughness"].default_value == pytest.approx(0.9)
 
 
+@pytest.mark.any_surface
+@pytest.mark.parametrize("surface", ["faces", "seen"])
+def test_the_material_of_images_is_named_for_the_object(surface):
+    obj = sphere()
+    api.stripes(obj, spacing=0.8, surface=surface)
+    report = api.bake(obj, maps="colour", size=16, samples=1, unwrap=True, material=True)
+    assert report["materials"] == [f"{obj.name} Baked"]
+
+
 def test_a_second_bake_shows_the_pattern_again_not_its_images(tmp_path):
     obj = patterned()
     bake(obj, tmp_path, maps="colour", material=True, size=16)

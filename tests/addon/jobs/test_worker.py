@@ -65,7 +65,9 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     assert "searching" in work.short_line and "relaxation" not in work.line
     work.stage = "continuation, gap 46%"  # a riddle to artists
     assert "searching" in work.line and "gap" not in work.line + work.short_line
-    work.expected = None
+    work.stage = "frame 6: descent"
+    assert "Frame 6: improving" in work.line
+    work.expected, work.stage = None, "descent"
     assert re.fullmatch(r"\d%  [a-z ]+, \d+ s", work.short_line)
     work._told = work.age, 1e-3  # far less than it will take
     monkeypatch.setitem(Work._paces, work.label, 1.0)

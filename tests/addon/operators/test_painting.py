@@ -50,6 +50,17 @@ def test_a_click_makes_the_group_and_paints_it(target, name):
     assert len(obj.vertex_groups) == 1 and obj.mode == "WEIGHT_PAINT"
 
 
+@pytest.mark.parametrize("target, settings", [("SPACING", "synch"), ("LAYERS", "synch_layering")])
+def test_a_new_map_of_spacing_is_of_finer_lines_where_no_range_was_chosen(target, settings):
+    for chosen in (None, 3.0):
+        stored = getattr(grid(), settings)
+        if chosen:
+            stored.spacing_range = chosen
+        bpy.ops.synch.paint_map(target=target)
+        assert stored.spacing_range == (chosen or 0.5)
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_it_is_painted_from_edit_mode_too():
     obj = grid()
     bpy.ops.object.mode_set(mode="EDIT")

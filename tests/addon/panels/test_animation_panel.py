@@ -10,9 +10,11 @@ import bpy
 import pytest
 
 from synch_fields.core.settings.surface import SurfaceSettings
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.frames.job import AnimationJob
 from synch_fields.synch_addon.jobs.queue import Work
 from synch_fields.synch_addon.panels.frames import SYNCH_PT_animation, span_of
+from synch_fields.synch_addon.panels.result import draw_nothing_found
 
 from ...core.expectation import told_at_once
 from ..moving_meshes import swaying
@@ -42,3 +44,12 @@ def test_the_panel_says_what_the_solve_tells(monkeypatch):
     assert about() == pytest.approx(20 * 18 / 6, abs=1)
     stored.last = 0
     assert about() is None
+
+
+def test_the_result_box_says_that_the_pattern_is_animated():
+    obj, layout = make_active(swaying(tube(), 2)), MagicMock()
+    draw_nothing_found(layout, obj)
+    api.animate(obj, frames=(1, 2), spacing=0.7)
+    draw_nothing_found(layout, obj)
+    texts = [call.kwargs["text"] for call in layout.label.call_args_list]
+    assert texts == ["Not solved yet", "Animated: a new solve replaces it"]

@@ -8,7 +8,7 @@ from unittest.mock import MagicMock
 
 import bpy
 import pytest
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
@@ -77,6 +77,39 @@ def test_a_spacing_that_is_no_longer_automatic_begins_at_the_one_that_was_used()
     assert obj.synch.spacing == used and obj.synch.automatic_spacing
     obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
     assert api.stripes(obj, spacing=0.5) and obj.synch.spacing == pytest.approx(0.4)
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("surface", ["automatic", "faces"])
+@pytest.mark.parametrize("kind", ["stripes", "quads", "quad_mesh"])
+def test_automatic_turned_off_leaves_its_spacing(kind, surface):
+    """The estimate before a solve and after a change of the mesh, and the exact one after a solve."""
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    stored.surface = surface.upper()
+    simple.kind = kind
+
+    def turn_off():
+        simple.automatic_spacing = True
+        lines = simple.lines
+        simple.automatic_spacing = False
+        assert not stored.automatic_spacing
+        assert simple.lines == pytest.approx(lines, rel=0.1)
+        return stored.spacing
+
+    assert turn_off() == pytest.approx(expected_spacing(kind, obj))
+    simple.automatic_spacing = True
+    if kind != "quad_mesh":  # which is another object
+        used = getattr(api, kind)(obj, surface=surface)["settings"]["spacing"]
+        assert turn_off() == pytest.approx(used)
+    obj.data.transform(Matrix.Scale(3, 4))
+    obj.data.update()
+    bpy.context.view_layer.update()
+    assert turn_off() == pytest.approx(expected_spacing(kind, obj))
+    obj.synch.automatic_spacing = True  # as a script does, which gives the spacing itself
+    obj.synch.automatic_spacing, stored.spacing = False, 0.7
+    simple.automatic_spacing = True
+    assert turn_off() == pytest.approx(expected_spacing(kind, obj))
 
 
 def test_lines_across_and_spacing_say_the_same():

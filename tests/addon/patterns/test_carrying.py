@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Patterns behind other modifiers: phases go through as they are, and what vertices have is that of the base."""
 
+from unittest.mock import MagicMock
+
 import bpy
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.core.interpolate import evaluate
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.modifiers import carries, changing_modifiers
+from synch_fields.synch_addon.panels.sidebar import draw_made
 
 from ..rebuilt_pattern import largest_jump, phases_of, polygons_of
 from ..scenes import attribute, bent, grid, quad_sphere, snapshot
@@ -122,3 +125,23 @@ def test_the_modifier_is_one_of_ours_and_there_is_one_of_it():
     assert group.name == "Synch Quad Carry" and group.is_modifier
     before = snapshot()
     assert bpy.ops.synch.carry() == {"FINISHED"} and snapshot() == before
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("surface", ["automatic", "faces"])
+def test_it_is_offered_where_modifiers_follow_the_mesh_with_the_pattern(surface):
+    """A surface of the pattern's own is of what the modifiers before it make."""
+    obj = grid()
+    obj.modifiers.new("Wall", "SOLIDIFY")
+
+    def offered():
+        layout = MagicMock()
+        draw_made(layout, obj)
+        return "synch.carry" in [call.args[0] for call in layout.operator.call_args_list]
+
+    api.stripes(obj, spacing=0.45, surface=surface)
+    assert offered() == (surface == "faces")
+    later = obj.modifiers.new("Mirror", "MIRROR")
+    assert offered()
+    later.show_viewport = False
+    assert offered() == (surface == "faces")

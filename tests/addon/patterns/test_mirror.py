@@ -91,6 +91,20 @@ def test_asymmetric_vertices_are_selected_and_nothing_is_written():
     assert "synch_phase" not in obj.data.attributes
 
 
+def test_triangles_with_other_diagonals_are_joined_as_the_message_says():
+    obj = bent(grid(12))
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.quads_convert_to_tris(quad_method="FIXED")
+    with pytest.raises(RuntimeError, match=r"Face > Tris to Quads"):
+        bpy.ops.synch.stripes(mirror=(True, False, False), spacing=0.25)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.tris_convert_to_quads()
+    assert bpy.ops.synch.stripes(mirror=(True, False, False), spacing=0.25) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert "synch_phase" in obj.data.attributes
+
+
 @pytest.mark.parametrize("axes", ["W", "xq", None])
 def test_unknown_axes_are_refused(axes):
     with pytest.raises(Exception, match=r"use axes of X, Y and Z|give a text"):

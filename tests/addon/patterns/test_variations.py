@@ -14,8 +14,10 @@ from synch_fields.core.solve import solve
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.translations import translate
+from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.variations import SYNCH_OT_place_defect
 from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.patterns.found_again import DrawnVariationJob
 
 from ..quad_meshes import corner_vertices
 from ..scenes import attribute, empties, grid, make_active, places, quad_sphere, snapshot, sphere, torus
@@ -226,6 +228,25 @@ def test_the_slider_goes_back_where_the_mesh_has_changed_and_on_when_that_is_und
     bpy.ops.synch.draw_variation(number=drawn)  # as the redo panel runs it again
     assert obj.synch_shown.variation == drawn
     assert memory.recall(obj).number == obj.synch_shown.variation
+
+
+@pytest.mark.parametrize("command", SOLVES)
+def test_a_variation_that_the_child_process_draws_is_that_of_its_number(command):
+    obj = sphere()
+    SOLVES[command](obj)
+    api.vary(obj, 200)
+    job = DrawnVariationJob(obj, [300])
+    work = queue.add(job, "Draw Variation")
+    while not work.is_over:
+        queue.advance()
+    drawn = job.write(work.result)
+    assert (drawn["variation"], obj.synch_shown.variation) == (300, 300)
+    assert api.vary(obj, 300)["energy"] == pytest.approx(drawn["energy"], rel=1e-9)
+    assert drawn["more"] == pytest.approx(drawn["energy"] / api.vary(obj, 0)["energy"] - 1)
+    stale = DrawnVariationJob(obj, [400])
+    SOLVES[command](obj)
+    with pytest.raises(SynchError, match="shows another solve than before: draw again"):
+        stale.write(stale.request.solve())
 
 
 def test_defects_are_not_placed_in_directions_alone():

@@ -38,9 +38,11 @@ def test_of_drawn_variations_the_first_near_one_is_taken_or_else_the_nearest(mon
     pattern = solved()
     energies = {number: variation(pattern, number).energy / pattern.solution.energy for number in range(100, 104)}
     near = [number for number, energy in energies.items() if energy <= 1.05]
-    assert nearest_variation(pattern, energies) == (near or [min(energies, key=energies.get)])[0]
+    number, phases = nearest_variation(pattern, energies)
+    assert number == (near or [min(energies, key=energies.get)])[0]
+    np.testing.assert_array_equal(phases, variation(pattern, number).phases)
     monkeypatch.setattr("synch_fields.core.fields.placement.NEAR", -1.0)
-    assert nearest_variation(pattern, energies) == min(energies, key=energies.get)
+    assert nearest_variation(pattern, energies)[0] == min(energies, key=energies.get)
 
 
 def test_variations_of_a_direction_field():
