@@ -39,13 +39,13 @@ _PIP = "install it for Python (pip install synch-fields[flows]), or save the flo
 
 
 def read_arrays(path: Path, attribute: str) -> GridFlow:
-    """The flow in a file; SettingError for one without."""
+    """Read the flow in a NetCDF or HDF5 file; ``attribute`` names its array, or is "" to find it."""
     with ExitStack() as stack:
         with path.open("rb") as head:
             is_classic = head.read(3) == b"CDF"
         if is_classic:
-            check_promise(path, path.stat().st_size)  # all of it is read
-            # In memory, where SciPy reads no more than there is, whatever sizes the file promises.
+            # SciPy believes the sizes in a header. Given the bytes, it cannot read beyond the end of the file.
+            check_promise(path, path.stat().st_size)
             file = stack.enter_context(netcdf_file(BytesIO(path.read_bytes()), maskandscale=True))
             arrays = dict(file.variables)
         else:

@@ -52,8 +52,10 @@ def _steps() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _edges_around(grid: Grid, faces: np.ndarray, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """(k, 24) edges of the 3 by 3 faces around each face in its plane, and (k,) whether all of them are on the grid."""
-    # Each edge begins some steps from the face's first node, and runs along the first axis of the plane or the second.
+    """(k, 24) edges of the 3 by 3 faces that surround each of (k,) faces in a plane, and (k,) bool, whether all exist.
+
+    ``plane`` has the numbers of the two axes that span the faces. Edges beyond the boundary are replaced by others.
+    """
     steps, kinds = _steps()
     corners = np.column_stack(np.unravel_index(grid.faces[faces, 0], grid.shape))
     places = np.repeat(corners[:, None], len(steps), axis=1)

@@ -57,8 +57,8 @@ class Line:
         return sum_by(place, values) / np.bincount(place)
 
     @property
-    def shares(self) -> np.ndarray:
-        """(k,) length of line at each of the nodes."""
+    def node_lengths(self) -> np.ndarray:
+        """(k,) length of line that each of the :attr:`nodes` stands for, summed over its stations."""
         _, place = np.unique(self.vertices, return_inverse=True)
         return np.bincount(place, self.lengths)
 

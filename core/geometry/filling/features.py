@@ -115,24 +115,25 @@ class _Moves:
     def __init__(self, solid: TetMesh) -> None:
         self._tets = solid.tets
         self.vertices = solid.vertices.copy()
-        self.done, self._stays = np.zeros((2, solid.vertex_count), bool)
-        self._order = np.argsort(solid.tets.ravel(), kind="stable") // 4
-        self._ends = np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count))
+        self.done, self._is_final = np.zeros((2, solid.vertex_count), bool)
+        # The tetrahedra around vertex v are self._around[self._begins[v] : self._begins[v + 1]].
+        self._around = np.argsort(solid.tets.ravel(), kind="stable") // 4
+        self._begins = np.append(0, np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count)))
 
     def attempt(self, vertex: int, place: np.ndarray, for_good: bool = False) -> bool:
         """Move a vertex if its tetrahedra stay within the bounds; returns whether it has moved.
 
         A vertex that was moved ``for_good`` is not moved again.
         """
-        if self._stays[vertex]:
+        if self._is_final[vertex]:
             return False
-        start = self._ends[vertex - 1] if vertex else 0
+        around = self._around[self._begins[vertex] : self._begins[vertex + 1]]
         old = self.vertices[vertex].copy()
         self.vertices[vertex] = place
-        if not within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]]):
+        if not within_bounds(self.vertices, self._tets[around]):
             self.vertices[vertex] = old
             return False
-        self.done[vertex], self._stays[vertex] = True, for_good
+        self.done[vertex], self._is_final[vertex] = True, for_good
         return True
 
 
