@@ -24,7 +24,7 @@ _thread = local()
 
 
 def idle_workers() -> int:
-    """Count the threads that may share work started here: inside shared work a part of them."""
+    """Count the threads that work started here may use; inside shared work, a part of them."""
     share: _Share | None = getattr(_thread, "share", None)
     return WORKERS if share is None else share.workers
 

@@ -61,7 +61,7 @@ class Cluster:
         future.add_done_callback(lambda done: self._answers.put((task, done)))
 
     def answer(self, seconds: float) -> tuple[Task, Answer] | None:
-        """The next finished task and its answer, or None after so many seconds without one."""
+        """The next finished task and its answer, or None after these seconds without one."""
         try:
             task, future = self._answers.get(timeout=seconds)
         except queue.Empty:

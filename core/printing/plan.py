@@ -32,7 +32,7 @@ _ON_BED = 0.5
 _LEAN = 1.5
 # The tool meets what is higher above its tip than this, in spacings.
 _SLACK = 0.25
-# Points of overhangs that are looked at together.
+# Points of overhangs per batch.
 _BATCH = 8192
 # Less high than this, in spacings, a bead is not printed.
 _NO_HEIGHT = 0.02

@@ -239,7 +239,7 @@ def _area_factor(mesh: TriangleMesh, spacings: ArrayLike) -> float:
 
 
 def least_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
-    """The factor with which so many quads in a row, corner to corner, are as long as the longest component of the mesh.
+    """Find the factor on spacings with which ``faces`` quads, corner to corner, are as long as the longest component.
 
     The area of a needle is too small to determine a spacing.
     """

@@ -115,7 +115,7 @@ class Layering:
         return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
     def voxels(self, resolution: int) -> "VoxelsRequest":
-        """The request for a grid with so many voxels along its longest side."""
+        """The request for a grid with this number of voxels along its longest side."""
         return VoxelsRequest(self.solid, self.pattern.tet_phases, resolution)
 
 

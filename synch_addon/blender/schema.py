@@ -97,8 +97,8 @@ PARENTS = tuple(
 SOURCE_FACE = Attribute("synch_source_face", "FACE", "INT", "likewise: face of the object that a face is part of")
 WEIGHTS = Attribute("synch_weights", "POINT", "FLOAT_VECTOR", "likewise: weights of these vertices, which add up to 1")
 
-# What each kind of pattern has; what tells it by itself, which a favourite keeps; and what each frame of an animation
-# has of its own: places are the same in all frames.
+# The attributes of each kind of pattern; those that determine it, which a favourite keeps; and those that each frame of
+# an animation stores, since places are the same in all frames.
 PATTERNS = {
     kind: (*sum(phases, ()), *[CLOSING] * (len(phases) - 1), BARYCENTRIC, PATTERN, SPACING_ERROR)
     for kind, phases in PHASES.items()

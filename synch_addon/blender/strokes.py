@@ -14,7 +14,7 @@ from .modifiers import is_of_filaments
 from .objects import world_of
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
-# Over so many edges of the mesh, to both sides, the ways from a curve to the surface are averaged.
+# The offsets from a curve to the surface are averaged over this number of mesh edges to both sides.
 _SMOOTHED = 1.5
 # What the course of a spline depends on besides its points.
 _OF_SPLINES = ("use_cyclic_u", "use_endpoint_u", "use_bezier_u", "order_u", "resolution_u")

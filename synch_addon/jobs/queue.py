@@ -147,7 +147,7 @@ class Work:
 
     @classmethod
     def seconds_here(cls, label, seconds):
-        """How long work of a name takes on this machine that takes so many seconds of one core elsewhere."""
+        """Seconds on this machine of work that is estimated at ``seconds`` on one core, as learned for its label."""
         return seconds * cls._paces.get(label, 1.0)
 
     def _learn(self):

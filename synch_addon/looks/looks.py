@@ -40,7 +40,7 @@ def _pattern(canvas, group, color, background, width, mean=None, **inputs):
 
 
 def _varied(canvas, share, color, ratio):
-    """A colour, and where the share is 1, as many times of its red, green and blue."""
+    """A colour; as the share goes from 0 to 1, its red, green and blue are multiplied by the ratios."""
     return canvas.color_mix(share, color, canvas.tinted(color, (*ratio, 1)))
 
 

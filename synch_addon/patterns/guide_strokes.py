@@ -128,7 +128,7 @@ def remove(obj, keys):
 
 
 def _by_curve(keys):
-    """Curve objects with the numbers of their splines among strokes' keys, the last one first."""
+    """Group strokes by their curve objects: pairs of an object and the numbers of its splines, in descending order."""
     numbers = {}
     for name, number in sorted(keys, reverse=True):
         numbers.setdefault(name, []).append(number)

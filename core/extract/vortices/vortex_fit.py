@@ -9,9 +9,10 @@ from ...geometry.grid import Grid
 
 # Places tried along both sides of a face, and radii of the vortex's core, in sides.
 _SHARES, _CORES = np.linspace(0.05, 0.95, 10), (0.05, 0.2, 0.4, 0.7, 1.0, 1.5)
-# Misfit in radians within which places count alike, and the share of the flow that may be left for one to count at all.
+# Width in radians of the Gaussian that weights places by their misfit, and the largest share of the squared flow that
+# the best one may leave unexplained.
 _ALIKE, _LEFT = 0.05, 0.2
-# Faces that are worked on at once.
+# Faces per batch.
 _CHUNK = 4096
 
 

@@ -34,8 +34,8 @@ from .stage import Workspace
 LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
 # In solids, a factorization by columns takes as long as about rows * width^2 / (25 nnz) products of L with all columns
 # (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation, and is tried up to a
-# thousand. One by dense blocks is tried up to so many multiplications for each entry of L, which take as long as the
-# relaxation; it has at least a sixth of the cube of the front.
+# thousand. One by dense blocks has at least width^3 / 6 multiplications. It is tried up to this number of them for each
+# entry of L, which takes as long as the relaxation.
 LONGEST_SWEEP = LONGEST_ELIMINATION = 25_000
 # Rounding error of a row in a factorization, in units of the diagonal's last digit, for each row of a front.
 ROUNDINGS = 4
@@ -240,7 +240,7 @@ def _may_be_proved(piece: Piece, long_proofs: bool) -> bool:
 
 
 def takes_long(width: float, row_entries: float, is_solid: bool, is_complex: bool) -> bool:
-    """Whether a factorization with so wide a front, of rows with so many entries, takes too long for a proof."""
+    """Whether a factorization with fronts of ``width`` rows, in a matrix of ``row_entries`` a row, takes too long."""
     return width > WIDEST_PROOF[is_complex] or (is_solid and width**2 > LONGEST_SWEEP * row_entries)
 
 

@@ -43,7 +43,7 @@ def proof_bytes(piece: Piece, width: int) -> int:
 
 
 def elimination_bytes(piece: Piece, entries: int) -> int:
-    """Additional bytes of a factorization by dense blocks with so many entries at a time, and of its matrix."""
+    """Additional bytes of a factorization by dense blocks, with ``entries`` at a time, and of its matrix."""
     return entries * piece.matrix.dtype.itemsize + _ELIMINATED * piece.matrix.nnz
 
 
@@ -54,7 +54,7 @@ def is_solid(piece: Piece, width: int) -> bool:
 
 
 def is_solid_front(nodes: float, width: float) -> bool:
-    """Whether a front of so many nodes is wider than on a surface."""
+    """Whether the widest front of a mesh of ``nodes`` nodes is wider than on a surface."""
     return bool(width > SURFACE_FRONT * np.sqrt(nodes))
 
 
