@@ -219,7 +219,7 @@ def share_out(
 
 
 def _wait_for_all(running: Sequence[Future[Result]]) -> bool:
-    """Wait a moment and tell whether all are done; raises the error of one that failed."""
+    """Wait a moment and return whether all are done; raises the error of one that failed."""
     done, waiting = wait(running, POLL_SECONDS, FIRST_EXCEPTION)
     for future in done:
         future.result()

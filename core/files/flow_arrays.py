@@ -147,7 +147,7 @@ def _space(array: Any, component: int | None) -> list[int]:
 
 def _order(array: Any, arrays: dict[str, Any], space: list[int]) -> list[int] | None:
     """Which of an array's axes in space are x, y and z, by the names of its dimensions or the lengths of coordinates;
-    None where neither tells."""
+    None where neither does."""
     names, shape = [_dimensions(array)[dim] for dim in space], tuple(array.shape[dim] for dim in space)
     order = [next((k for k, name in enumerate(names) if _begins(name, begins)), -1) for begins in _DIMENSIONS]
     if sorted(order) == [0, 1, 2]:

@@ -31,7 +31,7 @@ _FARTHEST, _FARTHEST_VOXEL = 1e30, 2**28
 _ASIDE = 1e-3
 # Names of velocities, the first of which Blender's own liquids have, and of vorticities.
 USUAL, ROTATIONS = (VELOCITY, "vel", "v", "u"), ("vorticity", "vort", "omega", "curl")
-# Letters that tell the names of components apart, such as vel.x, X Velocity, B/x, uwnd, vel[0] and vx1.
+# Letters in which the names of components differ, such as vel.x, X Velocity, B/x, uwnd, vel[0] and vx1.
 _AXES = ("xyz", "uvw", "012", "123")
 
 

@@ -146,6 +146,6 @@ def even_along(lines: Isolines, amounts: np.ndarray, length: float) -> np.ndarra
 
 
 def point_lengths(lines: Isolines) -> np.ndarray:
-    """(n,) of lines at each point: half of the pieces that end there."""
+    """(n,) length of line at each point: half the length of the pieces that meet there."""
     lengths = lines.steps / 2
     return lengths + np.bincount(lines.next, lengths, len(lengths))

@@ -22,7 +22,7 @@ from .order import carrying_pairs
 
 # Weight w of edges, and of what holds levels where nothing lies below or above.
 _ALONG, _FREE = 10.0, 1e-6
-# Levels are told apart by whole numbers.
+# Levels differ by whole numbers.
 _EXACT = 1e-6
 # A layer that lies upon itself is a ramp where its levels differ by more. Shorter parts of lines on another sheet, in
 # steps, stay with what is beside them.

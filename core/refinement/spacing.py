@@ -203,7 +203,7 @@ def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") 
         )
     if spacing.min() < _FINEST * extent:
         raise SettingError(
-            f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
+            f"the spacing {spacing.min():g} is finer than the precision of coordinates on an object of {extent:g}: "
             f"give one from {1.1 * _FINEST * extent:.2g} on"
         )
 

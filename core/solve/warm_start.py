@@ -57,7 +57,7 @@ class Follower:
         return is_followed
 
     def solve(self, problem: SynchronizationProblem, phases: np.ndarray, callback: Callback | None = None) -> Solution:
-        """The solution, without a bound, that some steps from (n,) complex phases lead to.
+        """Descend some steps from (n,) complex phases; the solution has no bound.
 
         Raises :class:`~core.errors.Cancelled` when the callback says so.
         """

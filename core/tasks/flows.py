@@ -346,7 +346,7 @@ def about_noise(noise: float | None) -> Iterator[str]:
 
 
 def _about_quantum(found: ClebschMap) -> Iterator[str]:
-    """A warning where so many filaments pass the faces that the phase hardly tells them apart."""
+    """A warning where more filaments pass the faces than the phase can separate."""
     mean = mean_circulation(found.grid, found.integrals) / found.quantum
     if mean > _MANY_QUANTA:
         yield (

@@ -89,7 +89,7 @@ class Layering:
     @property
     def spacings(self) -> Spacings:
         """Statistics of the distances between the layers; where layers end inside, along rays from layer to layer: past
-        the end of a layer they reach the next but one, which gradients of the phase do not tell."""
+        the end of a layer they reach the next but one, which gradients of the phase do not show."""
         found = self.pattern.spacings
         if not found.counted or not self.pattern.tet_phases.punctured.any():
             return found

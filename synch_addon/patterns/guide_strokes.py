@@ -197,5 +197,5 @@ def _add_lines(curve, lines):
 
 
 def _strokes_changed(curve):
-    """Blender tells nobody of splines that scripts add or remove."""
+    """Blender sends no message about splines that scripts add or remove."""
     curve.data.update_tag()

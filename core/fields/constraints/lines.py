@@ -105,7 +105,7 @@ def _reversed_edges(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
 
 
 def meeting_ends(ends: np.ndarray) -> np.ndarray:
-    """(m, 2) pairs of ends at vertices where exactly two edges meet, as places among the (k, 2) ends, flattened."""
+    """(m, 2) pairs of ends at vertices where exactly two edges meet, as indices into the flattened (k, 2) ends."""
     order = np.argsort(ends.ravel(), kind="stable")
     met = ends.ravel()[order]
     first = np.flatnonzero(met[:-1] == met[1:])

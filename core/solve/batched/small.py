@@ -119,12 +119,12 @@ def descend_stack(stack: Stack, start: np.ndarray, monitor: Monitor) -> tuple[np
 
 
 class _Search:
-    """Descents of the fields of a stack, and proofs.
+    """The search for the fields of a stack of small pieces: descents, and proofs of bounds.
 
     Attributes
     ----------
-    steps : of all descents
-    out_of_time : whether one of them has ended before its time
+    steps : number of steps of all descents
+    out_of_time : whether a descent was ended by the time limit
     """
 
     def __init__(self, stack: Stack, options: Options, monitor: Monitor) -> None:
