@@ -88,7 +88,7 @@ def test_printed_layers_are_levels_of_a_longer_period(divisions):
 @pytest.mark.parametrize("divisions", [3, 10])
 def test_groups_lie_on_the_levels_that_fit(divisions):
     """Floor and top 1 apart are 25 layers of 0.04: not a whole number of periods of 3 or 10."""
-    surface = closed(cube(2))
+    surface = closed(flattened(0.5, 0.5, 1))
     z = surface.mesh.vertices[:, 2]
     areas = [Area(name, np.flatnonzero((z[surface.mesh.triangles] == level).all(axis=1)))
              for name, level in (("the floor", z.min()), ("the top", z.max()))]  # fmt: skip
