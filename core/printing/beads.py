@@ -255,9 +255,9 @@ def join_lines(parts: Sequence[_Found]) -> _Found:
 
 
 def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
-    """The parts of lines whose points are kept; cut ones no shorter than a length.
+    """Cut lines into the runs of points that are ``kept``, (n,) bool, without runs of cut lines below a length.
 
-    Returns the parts, (k,) the line that each is of, and (m,) the point that each of theirs was.
+    Returns the runs as lines, (k,) the line that each was cut from, and (m,) the former index of each of their points.
     """
     numbers, starts, sizes = lines.numbers, lines.starts, lines.sizes
     whole = np.bincount(numbers[~kept], minlength=len(sizes)) == 0

@@ -137,8 +137,8 @@ def gcode(course: Course, machine: Machine) -> Program:
         top = max(top, tops[first:stop].max())
     rows += writer.finish(top)
     text = "\n".join([*rows, machine.end]) + "\n"
-    warnings = (*warnings, *_about_axes(moves.places, machine), *_about_start(machine))
-    return Program(text, warnings=warnings, **moves.facts)
+    lines = (*warnings, *_about_axes(moves.places, machine), *_about_start(machine))
+    return Program(text, warnings=lines, **moves.facts)
 
 
 def print_times(course: Course, machine: Machine) -> tuple[np.ndarray, np.ndarray]:

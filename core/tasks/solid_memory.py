@@ -29,11 +29,11 @@ _BLOCKS, _ROW, _PRODUCTS = 110, 1080, 6
 
 
 class LayerMemory(NamedTuple):
-    """Bytes at the peak.
+    """Peak memory of a solve of layers, in bytes.
 
     Attributes
     ----------
-    needed : without a proof, which is left out where it does not fit, and without the layers' triangles, which are
+    needed : without a proved bound, which is left out where memory lacks, and without the layers' triangles, which are
         counted before they are made (:func:`..extract.layers.crossings.refuse_too_many_layers`)
     expected : with both
     """

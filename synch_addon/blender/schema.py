@@ -23,8 +23,8 @@ TYPES = {
     "FLOAT4X4": (np.float32, 16, "value"),
 }
 PREFIX = "synch_"
-# What all of these mean together, raised where that changes: a custom property of each mesh that has one of them, and
-# in what an object keeps of its last solve. What has no number is of the first.
+# The version of what these mean together, raised where that changes: a custom property of each mesh that has one of
+# them, and in what an object keeps of its last solve. Without the property, it is the first version.
 FORMAT, STAMP = 1, "synch_format"
 FAVOURITE = re.compile(rf"{PREFIX}favourite_(\d+)_")
 

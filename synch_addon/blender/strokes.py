@@ -79,8 +79,8 @@ def polylines(source):
 
 
 def shape_of(source):
-    """Arrays that are equal as long as :func:`polylines` of an object are; they are only read, as while a panel is
-    drawn."""
+    """Arrays that change if :func:`polylines` of an object do. Nothing is written, so that panels may ask as they
+    are drawn."""
     if not _is_of_splines(source):
         return polylines(source)
     shape = list(_shape_of_keys(source.data.shape_keys))

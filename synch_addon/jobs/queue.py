@@ -303,7 +303,7 @@ class Queue:
             self._worker.tell(("end",))
 
     def stop(self):
-        """End all jobs, and the worker: the file is being closed, or the add-on taken out."""
+        """End all jobs, and the worker: the file is being closed, or the add-on disabled."""
         for work in reversed(self.works.copy()):
             self.cancel(work)
         self._end_worker()
