@@ -282,7 +282,9 @@ def _leaning(lines: Isolines, points: np.ndarray, ranks: np.ndarray, asked: np.n
     tree = cKDTree(places)
     for part in np.array_split(here, len(here) // _BATCH + 1):
         which, other = pairs_within(tree, points[part], reach)
-        result[part[which[ranks[piece[other]] < ranks[part[which]]]]] = True
+        point = part[which]
+        is_lower = ranks[piece[other]] < ranks[point]
+        result[point[is_lower]] = True
     return result
 
 

@@ -44,7 +44,8 @@ def sharpen_edges(
     regions = np.full(solid.vertex_count, -1)
     regions[boundary] = mesh.parts_between(sharp)[nearest(solid.vertices[boundary])]
     sides = np.unique(np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    crossing = sides[regions[sides[:, 0]] != regions[sides[:, 1]]]
+    ends = regions[sides]
+    crossing = sides[ends[:, 0] != ends[:, 1]]
     corners, segments = mesh.vertices[mesh.line_corners(sharp, SHARP)], mesh.vertices[mesh.edges[sharp]]
     # A vertex that has moved makes room for others.
     for _ in range(ROUNDS):

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every real mesh goes through directions and stripes, and gets a continuous quad pattern and a sound quad mesh, even by
-the roughest solve."""
+"""Every real mesh goes through directions and stripes, and gets a continuous quad pattern and a sound quad mesh, even
+by the roughest solve."""
 
 import numpy as np
 import pytest
