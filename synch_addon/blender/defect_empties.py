@@ -59,7 +59,8 @@ def write_defects(
     free = {}
     for empty in defect_empties(obj):
         if empty[_KIND] in kinds:
-            free.setdefault(_label_of(empty), []).append(empty)
+            label = _label(empty[_KIND], empty.get(_PHASE, ""), empty[_INDEX])
+            free.setdefault(label, []).append(empty)
     for of_label in free.values():
         of_label.sort(key=lambda empty: empty.name, reverse=True)
     counts, empties = {}, []
@@ -173,10 +174,6 @@ def _plain(value):
     if isinstance(value, Matrix):
         return tuple(map(tuple, value))
     return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
-
-
-def _label_of(empty):
-    return _label(empty[_KIND], empty.get(_PHASE, ""), empty[_INDEX])
 
 
 def _label(kind, phase, index):

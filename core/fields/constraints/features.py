@@ -78,7 +78,8 @@ def _is_long_piece(mesh: TriangleMesh, edges: np.ndarray, lengths: np.ndarray) -
     ``lengths``: (k,) of the edges in sides of a quad. Marked edges are like others, since shading by angle marks
     bends, too.
     """
-    ends, labels, lines = mesh.edges[edges], _connected_pieces(mesh, edges), pieces_between_corners(mesh, edges)
+    ends, lines = mesh.edges[edges], pieces_between_corners(mesh, edges)
+    labels = components(mesh.vertex_count, ends)[ends[:, 0]]
     is_free = (np.bincount(ends.ravel(), minlength=mesh.vertex_count) == 1)[ends].any(axis=1)
     longest = np.zeros(mesh.vertex_count)
     np.maximum.at(longest, labels, np.bincount(lines, lengths)[lines])
@@ -126,10 +127,6 @@ def _normals(mesh: TriangleMesh, faces: np.ndarray | None) -> np.ndarray:
     vectors = mesh.areas[:, None] * mesh.face_normals
     alone = np.bincount(faces)[faces] == 1
     return np.where(alone[:, None], mesh.face_normals, unit_vectors(sum_by(faces, vectors)[faces]))
-
-
-def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
-    return components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
 
 
 def pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:

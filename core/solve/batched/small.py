@@ -255,15 +255,13 @@ class _Search:
         if options.rounding == "random":
             return fields
         point = side_by_side(np.concatenate([fields, found], axis=2))
-        metric = SideBySide(positive_inverse(turning_laplacians(stack), self._shifts(lifted)))
+        shifts = CANDIDATE_SHIFT * _densities(stack, multipliers(stack, lifted).sum(axis=1))
+        metric = SideBySide(positive_inverse(turning_laplacians(stack), shifts))
         fields = self._lowest(
             stacked_fields(self._descend_fields(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT
         )
         fields[:, :, :1] = self.polish(fields[:, :, :1], STEPS)
         return self._remove_copies(fields)
-
-    def _shifts(self, lifted: np.ndarray) -> np.ndarray:
-        return CANDIDATE_SHIFT * _densities(self._stack, multipliers(self._stack, lifted).sum(axis=1))
 
     def _normalize(self, fields: np.ndarray) -> np.ndarray:
         return stacked_fields(self._circles.normalize(side_by_side(fields)), len(self._stack))
