@@ -34,7 +34,7 @@ def sparse_beads(
 
     The machine has the number of walls, beads beside the rims of layers, and of skins, layers below and above which the
     solid ends. The lines in the rest run diagonally, one layer this and the next the other way, and
-    have the machine's share of the volume. Beads are a step apart, layers a spacing in the mean.
+    have the machine's share of the volume. Beads are a step apart, layers a spacing on average.
     """
     rims = distances_to_rims(surfaces, step)
 

@@ -182,7 +182,7 @@ def print_plan(
     """The :class:`PrintPlan` of :class:`Beads` on layers of a solid.
 
     The (4, 4) matrix leads from the solid's space to the world, without scale. Beads are a step apart, layers a spacing
-    in the mean, in scene units.
+    on average, in scene units.
     """
     lines, widths, layers, kinds = beads.lines, beads.widths, beads.layers, beads.kinds
     sheets, count, flat = layers, surfaces.count, is_flat(surfaces)
