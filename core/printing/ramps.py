@@ -122,8 +122,8 @@ def _levels(count: int, carried: np.ndarray, carrying: np.ndarray, edges: np.nda
 def split_lines(lines: Isolines, sheets: np.ndarray, step: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
     """Lines cut where their (n,) sheets change; parts that are shorter than a step or so stay with the part before.
 
-    Returns the parts, (k,) the sheet of each, and (m,) the former index of each of their points: a point where two parts
-    meet is in both.
+    Returns the parts, (k,) the sheet of each, and (m,) the former index of each of their points; where two
+    parts meet, both have the point.
     """
     starts, closed, ways = lines.starts, lines.closed, lines.steps
     points, sizes, of, ends = [], [], [], []
