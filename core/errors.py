@@ -38,7 +38,7 @@ def one_line(text: object) -> str:
 
 
 def round_up(value: float, digits: int = 3) -> str:
-    """The smallest number of so many digits that is not below a positive value: a limit that messages name is kept."""
+    """Round a positive value up to a number of digits, so that the limit that a message names is valid."""
     text = f"{value:.{digits}g}"
     if float(text) < value:
         exponent = int(f"{value:.{digits - 1}e}".split("e")[1])

@@ -21,7 +21,7 @@ except ImportError:  # Windows
 _SURE = 0.75
 # Bytes of address space that threads and allocators reserve in a solve for each byte that it uses.
 RESERVED = 2.5
-# Linux: the list of a process's control groups; by version 2 or not, their folder and the file with a group's limit.
+# Linux: the list of a process's control groups; for version 2 and version 1, their folder and the file with the limit.
 _OWN_GROUPS = Path("/proc/self/cgroup")
 # Linux: the file of this process's figures.
 _STATUS = Path("/proc/self/status")

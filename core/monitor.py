@@ -16,7 +16,7 @@ from .threads import start_thread
 POLL_SECONDS = 0.05
 # Share of the work after which its time can be estimated without an expected total.
 _TELLING = 0.15
-# Most weight of the share that is done in an estimate, as a multiple of it: a hundredth tells hardly anything.
+# Most weight of the share that is done in an estimate, as a multiple of it: a hundredth says little.
 _TELLS_TOTAL = 10
 # Called with a stage and a fraction of the work; a false answer other than None cancels.
 Callback = Callable[[str, float], bool | None]
@@ -42,7 +42,7 @@ class Running(Generic[Result]):
             self._errors.append(error)
 
     def wait(self, seconds: float) -> bool:
-        """Wait at most so long for the end of the work, and tell whether it has ended."""
+        """Wait for the end of the work, at most for these seconds, and return whether it has ended."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 

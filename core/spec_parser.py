@@ -20,7 +20,7 @@ _NAMES = rf'({_QUOTED}|[^,:="\r\n]*+)', rf'({_QUOTED}|[^,="\r\n]*+)'
 def items(text: str, what: str, form: str) -> list[tuple[Any, ...]]:
     """Split a text into its items: tuples with a str for each part of the form, None where it is missing.
 
-    Raises SettingError for a text that cannot be read, quoted from the first error on, or a value that is not a text.
+    Raises SettingError for a text that cannot be read, quoted from the first error on, or a value that is not text.
 
     Parameters
     ----------

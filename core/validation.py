@@ -92,7 +92,7 @@ def check_text(text: str, what: str) -> str:
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise SettingError(f"{what} is {quote_value(text)}, which is no text: write it as UTF-8") from None
+        raise SettingError(f"{what} is {quote_value(text)}, which is not text: write it as UTF-8") from None
     return text
 
 

@@ -34,7 +34,7 @@ def _join_rows(rows: np.ndarray) -> np.ndarray:
 
 
 def split_columns(count: int, parts: int) -> list[slice]:
-    """Split ``count`` columns into up to so many parts, of whole pairs and without a part of a single column."""
+    """Split ``count`` columns into at most ``parts`` parts, of whole pairs and without a part of a single column."""
     cuts = np.arange(0, max(count - 1, 1), PAIR)
     firsts = [int(part[0]) for part in np.array_split(cuts, min(parts, len(cuts)))]
     return [slice(*ends) for ends in pairwise([*firsts, count])]

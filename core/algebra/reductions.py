@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sums over all rows of a matrix, in whichever process they are."""
+"""Sums over all rows of a matrix, which may be distributed over processes."""
 
 from typing import TypeVar
 

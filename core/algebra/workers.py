@@ -24,7 +24,7 @@ _thread = local()
 
 
 def idle_workers() -> int:
-    """Count the threads that may share work started here: inside shared work a part of them."""
+    """Count the threads that work started here may use; inside shared work, a part of them."""
     share: _Share | None = getattr(_thread, "share", None)
     return WORKERS if share is None else share.workers
 
@@ -219,7 +219,7 @@ def share_out(
 
 
 def _wait_for_all(running: Sequence[Future[Result]]) -> bool:
-    """Wait a moment and tell whether all are done; raises the error of one that failed."""
+    """Wait a moment and return whether all are done; raises the error of one that failed."""
     done, waiting = wait(running, POLL_SECONDS, FIRST_EXCEPTION)
     for future in done:
         future.result()

@@ -40,7 +40,7 @@ def serve(answer: Callable[[Task], Answer], leave: Callable[[int], object] = os.
 
 
 class Hand:
-    """A warm process, started by a command when it is first needed; each solve may use so many threads."""
+    """A warm process, started by a command when it is first needed; each solve may use ``threads`` threads."""
 
     def __init__(self, command: Sequence[str], threads: int) -> None:
         self._command, self._threads = command, threads
@@ -141,7 +141,7 @@ def _describe_end(child: _Child) -> str:
 
 
 class ProcessPool:
-    """Some warm processes, started by a command, that take tasks from one queue; solves may use so many threads.
+    """Warm processes, started by a command, that take tasks from one queue; each solve may use ``threads`` threads.
 
     ``capacity``: number of tasks to start at a time: one running and one waiting for each process.
     """
@@ -157,7 +157,7 @@ class ProcessPool:
         self._tasks.put(task)
 
     def answer(self, seconds: float) -> tuple[Task, Answer] | None:
-        """The next finished task and its answer, or None after so many seconds without one."""
+        """The next finished task and its answer, or None after these seconds without one."""
         try:
             return self._answers.get(timeout=seconds)
         except queue.Empty:

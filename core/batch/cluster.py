@@ -19,7 +19,7 @@ from .child_loop import Answer, Hand, Task
 # Seconds in which a scheduler has to answer.
 _PATIENCE = 15
 # Name of the batch, arguments of Python that start a process, and threads of each solve.
-_Crew = tuple[str, tuple[str, ...], int]
+_PoolKey = tuple[str, tuple[str, ...], int]
 
 
 class Cluster:
@@ -45,7 +45,7 @@ class Cluster:
             raise SettingError(
                 f"no Dask scheduler answers at {address} ({error}): start one with dask scheduler"
             ) from None
-        self._crew = secrets.token_hex(8), tuple(arguments), threads
+        self._pool_key = secrets.token_hex(8), tuple(arguments), threads
         self._answers: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
         self._number = 0
 
@@ -57,11 +57,11 @@ class Cluster:
     def start(self, task: Task) -> None:
         self._number += 1
         name = f"synch-{task['key']}-{self._number}"
-        future = self._client.submit(_do, self._crew, task, key=name, pure=False)
+        future = self._client.submit(_do, self._pool_key, task, key=name, pure=False)
         future.add_done_callback(lambda done: self._answers.put((task, done)))
 
     def answer(self, seconds: float) -> tuple[Task, Answer] | None:
-        """The next finished task and its answer, or None after so many seconds without one."""
+        """The next finished task and its answer, or None after these seconds without one."""
         try:
             task, future = self._answers.get(timeout=seconds)
         except queue.Empty:
@@ -74,7 +74,7 @@ class Cluster:
     def end(self) -> None:
         """End the processes of all workers, and disconnect from the scheduler."""
         try:
-            self._client.run(_end, self._crew)
+            self._client.run(_end, self._pool_key)
         finally:
             self._client.close(_PATIENCE)
 
@@ -84,27 +84,27 @@ class _Hands:
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._free: defaultdict[_Crew, list[Hand]] = defaultdict(list)
-        self._all: defaultdict[_Crew, list[Hand]] = defaultdict(list)
+        self._free: defaultdict[_PoolKey, list[Hand]] = defaultdict(list)
+        self._all: defaultdict[_PoolKey, list[Hand]] = defaultdict(list)
 
-    def ask(self, crew: _Crew, task: Task) -> Answer:
+    def ask(self, key: _PoolKey, task: Task) -> Answer:
         with self._lock:
-            free = self._free[crew]
+            free = self._free[key]
             if not free:
-                _, arguments, threads = crew
+                _, arguments, threads = key
                 free.append(Hand([sys.executable, *arguments], threads))
-                self._all[crew].append(free[0])
+                self._all[key].append(free[0])
             hand = free.pop()
         try:
             return hand.ask(task)
         finally:
             with self._lock:
-                self._free[crew].append(hand)
+                self._free[key].append(hand)
 
-    def end(self, crew: _Crew) -> None:
+    def end(self, key: _PoolKey) -> None:
         with self._lock:
-            self._free.pop(crew, None)
-            ended = self._all.pop(crew, [])
+            self._free.pop(key, None)
+            ended = self._all.pop(key, [])
         for hand in ended:
             hand.end()
 
@@ -112,9 +112,9 @@ class _Hands:
 _hands = _Hands()
 
 
-def _do(crew: _Crew, task: Task) -> Answer:
-    return _hands.ask(crew, task)
+def _do(key: _PoolKey, task: Task) -> Answer:
+    return _hands.ask(key, task)
 
 
-def _end(crew: _Crew) -> None:
-    _hands.end(crew)
+def _end(key: _PoolKey) -> None:
+    _hands.end(key)

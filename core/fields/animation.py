@@ -61,7 +61,7 @@ def next_solution(
     hold : (n,) weights that draw the nodes to these phases, optional
     follower : takes only some steps, optional
     """
-    if follower is not None and follower.take_on(problem):
+    if follower is not None and follower.follow(problem):
         solution = follower.solve(problem, phases, callback)
         return _align_pieces(problem, solution, phases) if problem.is_complex else solution
     options = replace(Options() if options is None else options, method=DESCENT, time_limit=None)

@@ -314,6 +314,8 @@ def _check_distances(mesh: TetMesh, spacing: ArrayLike) -> np.ndarray:
     """(n,) distances; refuses those that no layer fits."""
     spacing = np.asarray(spacing, float)
     if spacing.shape not in ((), (mesh.vertex_count,)):
-        raise SettingError(f"{spacing.size} spacings are given for {mesh.vertex_count} vertices: give each one, or one")
+        raise SettingError(
+            f"{spacing.size} spacings are given for {mesh.vertex_count} vertices: give one, or one for each vertex"
+        )
     check_spacing(_places(mesh), spacing, "layer")
     return np.broadcast_to(spacing, mesh.vertex_count)

@@ -29,7 +29,7 @@ from ..matchings import after_turns
 from ..problem import SynchronizationProblem
 from .patterns import Pattern
 
-# Phases change up to so many spacings from the path, and a new stripe is so many long.
+# Phases change up to this distance from the path, and a new stripe has this length, in spacings.
 REACH, LENGTH = 4.0, 2.0
 # The least weight of an edge; what keeps the matrix definite, as a share of its diagonal.
 SMALLEST_WEIGHT, SHIFT = 1e-3, 1e-9

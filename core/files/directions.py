@@ -150,18 +150,19 @@ def _known_suffix(path: Path) -> str:
 
 
 def _raw_header(path: Path, lines: list[_Line]) -> tuple[int, int, int, list[_Line]]:
-    symmetry, count = _whole_numbers(path, lines[:1], 2, 'start with "N faces"')
+    symmetry, count = _header_numbers(path, lines[:1], 2, 'start with "N faces"')
     return symmetry, count, symmetry, lines[1:]
 
 
 def _rosy_header(path: Path, lines: list[_Line]) -> tuple[int, int, int, list[_Line]]:
     wanted = "start with a line for the number of faces and a line for N"
-    (count,) = _whole_numbers(path, lines[:1], 1, wanted)
-    (symmetry,) = _whole_numbers(path, lines[1:2], 1, wanted)
+    (count,) = _header_numbers(path, lines[:1], 1, wanted)
+    (symmetry,) = _header_numbers(path, lines[1:2], 1, wanted)
     return symmetry, count, 1, lines[2:]
 
 
-def _whole_numbers(path: Path, lines: list[_Line], wanted: int, remedy: str) -> list[int]:
+def _header_numbers(path: Path, lines: list[_Line], wanted: int, remedy: str) -> list[int]:
+    """The ``wanted`` positive integers of a header's first line; SettingError, with the remedy, for anything else."""
     if not lines:
         raise SettingError(f"{path} ends before its header: {remedy}")
     number, line = lines[0]

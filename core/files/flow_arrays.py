@@ -39,13 +39,13 @@ _PIP = "install it for Python (pip install synch-fields[flows]), or save the flo
 
 
 def read_arrays(path: Path, attribute: str) -> GridFlow:
-    """The flow in a file; SettingError for one without."""
+    """Read the flow in a NetCDF or HDF5 file; ``attribute`` names its array, or is "" to find it."""
     with ExitStack() as stack:
         with path.open("rb") as head:
             is_classic = head.read(3) == b"CDF"
         if is_classic:
-            check_promise(path, path.stat().st_size)  # all of it is read
-            # In memory, where SciPy reads no more than there is, whatever sizes the file promises.
+            # SciPy believes the sizes in a header. Given the bytes, it cannot read beyond the end of the file.
+            check_promise(path, path.stat().st_size)
             file = stack.enter_context(netcdf_file(BytesIO(path.read_bytes()), maskandscale=True))
             arrays = dict(file.variables)
         else:
@@ -147,7 +147,7 @@ def _space(array: Any, component: int | None) -> list[int]:
 
 def _order(array: Any, arrays: dict[str, Any], space: list[int]) -> list[int] | None:
     """Which of an array's axes in space are x, y and z, by the names of its dimensions or the lengths of coordinates;
-    None where neither tells."""
+    None where neither does."""
     names, shape = [_dimensions(array)[dim] for dim in space], tuple(array.shape[dim] for dim in space)
     order = [next((k for k, name in enumerate(names) if _begins(name, begins)), -1) for begins in _DIMENSIONS]
     if sorted(order) == [0, 1, 2]:

@@ -129,7 +129,7 @@ def _read_image(path: Path, attribute: str) -> GridFlow:
 
 
 def _has_vectors(sizes: dict[str, int]) -> bool:
-    """Whether arrays with so many numbers for each place hold vectors, or the components of some."""
+    """Whether arrays, of ``sizes`` numbers for each point by their names, hold vectors or the components of one."""
     return 3 in sizes.values() or bool(component_names([name for name, size in sizes.items() if size == 1]))
 
 

@@ -87,7 +87,7 @@ class _Reader:
         return struct.unpack("<I", self.take(4))[0]
 
     def count(self, least: int) -> int:
-        """A number of parts that have at least so many bytes each."""
+        """Read a number of parts of at least ``least`` bytes each, and check that the file is long enough for them."""
         number = self.number()
         self.check(number * least)
         return number

@@ -277,5 +277,5 @@ def _bytes(stored: bytes, first: int, count: int, raw: bool) -> bytes:
 
 
 def _characters(count: int) -> int:
-    """Characters of base64 for so many bytes."""
+    """Number of characters of base64 for a number of bytes."""
     return -(-count // 3) * 4

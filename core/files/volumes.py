@@ -21,7 +21,7 @@ from ..settings.flow import VELOCITY
 from .border import border
 from .openvdb import check_vdb_sizes, openvdb_module
 
-# The memory that reading a volume may take: so many bytes, and so many more for each byte of its compressed file.
+# The memory that reading a volume may take: this number of bytes, and this many for each byte of its compressed file.
 SOUND_BYTES, SOUND_RATIO = 2**31, 200
 # Volumes thinner than this share of their width are flat: their scale is rounded to about as much.
 _FLAT = 1e-6
@@ -31,7 +31,7 @@ _FARTHEST, _FARTHEST_VOXEL = 1e30, 2**28
 _ASIDE = 1e-3
 # Names of velocities, the first of which Blender's own liquids have, and of vorticities.
 USUAL, ROTATIONS = (VELOCITY, "vel", "v", "u"), ("vorticity", "vort", "omega", "curl")
-# Letters that tell the names of components apart, such as vel.x, X Velocity, B/x, uwnd, vel[0] and vx1.
+# Letters in which the names of components differ, such as vel.x, X Velocity, B/x, uwnd, vel[0] and vx1.
 _AXES = ("xyz", "uvw", "012", "123")
 
 
@@ -76,7 +76,7 @@ def choose_flow(
     if attribute != VELOCITY:
         raise SettingError(f"{path}: has no vectors {attribute!r} (it has {have}): name one of these")
     first = (*vectors, *flows)[0]
-    warning = f"{first} is taken for the velocity (there are {have}): name another one as the attribute"
+    warning = f"{first} is used as the velocity (there are {have}): name another one as the attribute"
     return flows[first], first.lower() in ROTATIONS, ((warning,) if len(flows) > 1 else ()) + level
 
 

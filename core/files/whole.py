@@ -145,7 +145,7 @@ def unwritten(path: str | Path, reason: object) -> WriteError:
 
 
 def check_writable(path: str | Path) -> None:
-    """Refuse a place where no file can be made, before there is anything to write; errors as :func:`write_whole`."""
+    """Check that a file can be made at a place, before the work whose result it gets; errors as :func:`write_whole`."""
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
         return

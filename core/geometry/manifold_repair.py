@@ -117,6 +117,7 @@ def repair_mesh(mesh: TriangleMesh, polygons: Polygons) -> RepairedMesh:
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
     fans, counts = np.unique(split_pinched_vertices(whole.triangles)[0], return_counts=True)
+    one_sided = np.unique(whole.triangle_edges.ravel()[joins[seam, 0]])
     found = {
         "lost_vertices": np.flatnonzero(lost),
         "flat_faces": np.flatnonzero(is_flat),
@@ -124,7 +125,7 @@ def repair_mesh(mesh: TriangleMesh, polygons: Polygons) -> RepairedMesh:
         "non_manifold_edges": whole.edges[whole.edge_face_counts > 2],
         "pinched_vertices": fans[counts > 1],
         "turned_faces": np.flatnonzero(turned),
-        "one_sided_edges": whole.edges[np.unique(whole.triangle_edges.ravel()[joins[seam, 0]])],
+        "one_sided_edges": whole.edges[one_sided],
     }
     return RepairedMesh(
         surface,

@@ -182,7 +182,7 @@ class TetMesh:
 
     @cached_property
     def vertex_masses(self) -> np.ndarray:
-        """(n,) a quarter of the volume around each vertex, positive."""
+        """(n,) a quarter of the volume of each vertex's tetrahedra; never 0, so that it can be divided by."""
         shares = np.repeat(self.volumes / 4, 4)
         masses = np.bincount(self.tets.ravel(), weights=shares, minlength=self.vertex_count)
         return np.maximum(masses, 1e-9 * masses.mean())

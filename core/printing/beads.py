@@ -33,7 +33,7 @@ _SHORT, _FLAT = 1.5, 0.1
 # Contours on both sides of the medial line that are nearer to it, in steps, are one bead where they are so long; others
 # move apart as far as their sides overlap. Farther from places of the line by this, in steps, contours are others.
 _CROWDED, _LONG, _OTHER = 0.2, 1.5, 0.1
-# How often what is left is looked for; pieces of it that are smaller, in squares of a step, are tips of corners.
+# How often uncovered areas are filled; smaller pieces of them than _TIP, in squares of a step, are tips of corners.
 _ROUNDS, _TIP = 3, 0.12
 # Kind of beads that fill gaps.
 _GAP = 2
@@ -255,9 +255,9 @@ def join_lines(parts: Sequence[_Found]) -> _Found:
 
 
 def cut_lines(lines: Isolines, kept: np.ndarray, shortest: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
-    """The parts of lines whose points are kept; cut ones no shorter than a length.
+    """Cut lines into the runs of points that are ``kept``, (n,) bool, without runs of cut lines below a length.
 
-    Returns the parts, (k,) the line that each is of, and (m,) the point that each of theirs was.
+    Returns the runs as lines, (k,) the line that each was cut from, and (m,) the former index of each of their points.
     """
     numbers, starts, sizes = lines.numbers, lines.starts, lines.sizes
     whole = np.bincount(numbers[~kept], minlength=len(sizes)) == 0

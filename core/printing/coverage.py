@@ -21,7 +21,7 @@ _PARTS = 8
 REACH, COVERED, WANTED = 0.6, 1.04, 1.01
 # Width of the narrowest and of the widest bead, in steps.
 NARROWEST, WIDEST = 0.25, 1.5
-# Widths are evened out over so many steps. Samples along a step, and all of them.
+# Widths are averaged over this number of steps. Samples along a step, and their largest number.
 _EVEN = 3.0
 _SAMPLES, _MOST = 2.5, 3_000_000
 # Barycentric coordinates of the middles of a triangle's quarters.
@@ -146,6 +146,6 @@ def even_along(lines: Isolines, amounts: np.ndarray, length: float) -> np.ndarra
 
 
 def point_lengths(lines: Isolines) -> np.ndarray:
-    """(n,) of lines at each point: half of the pieces that end there."""
+    """(n,) length of line at each point: half the length of the pieces that meet there."""
     lengths = lines.steps / 2
     return lengths + np.bincount(lines.next, lengths, len(lengths))

@@ -16,7 +16,7 @@ _PARALLEL, _LEVEL = 1e-7, 1e-3
 _SLACK = 1e-6
 # Places of rims that distances are taken to at first, over the parts of a step.
 _MOST = 100_000
-# Points whose rays are looked at together with the pieces of a rim.
+# Pairs of a ray and a piece of a rim per batch.
 _BATCH = 2_000_000
 
 

@@ -137,8 +137,8 @@ def gcode(course: Course, machine: Machine) -> Program:
         top = max(top, tops[first:stop].max())
     rows += writer.finish(top)
     text = "\n".join([*rows, machine.end]) + "\n"
-    told = (*warnings, *_about_axes(moves.places, machine), *_about_start(machine))
-    return Program(text, warnings=told, **moves.facts)
+    lines = (*warnings, *_about_axes(moves.places, machine), *_about_start(machine))
+    return Program(text, warnings=lines, **moves.facts)
 
 
 def print_times(course: Course, machine: Machine) -> tuple[np.ndarray, np.ndarray]:
@@ -287,7 +287,7 @@ class _Moves:
         sizes[1:] = (sizes[1:] + sizes[:-1]) / 2
         bead, first = bead[kept], first[kept]
         ways, volumes = (np.where(first, 0, np.diff(values, prepend=0.0)) for values in (along, filled))
-        # The first move of a bead is no move: it takes no time.
+        # A bead has no move to its first point, which therefore takes no time.
         seconds, slowed = move_seconds(ways, volumes, places, angles, first, course.is_first[bead], machine)
         turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
         turning = np.abs(turns) / np.where(seconds > 0, seconds, 1)[:, None]

@@ -32,9 +32,9 @@ def sparse_beads(
 ) -> Beads:
     """Keep the walls and skins of :class:`Beads` that fill a solid, and put crossing lines into the rest.
 
-    The machine has the number of walls, which lie beside the rims of layers, and of skins: there the solid ends within
-    so many layers above or below. The lines in the rest run diagonally, one layer this and the next the other way, and
-    have the machine's share of the volume. Beads are a step apart, layers a spacing in the mean.
+    The machine has the number of walls, beads beside the rims of layers, and of skins, layers below and above which the
+    solid ends. The lines in the rest run diagonally, one layer this and the next the other way, and
+    have the machine's share of the volume. Beads are a step apart, layers a spacing on average.
     """
     rims = distances_to_rims(surfaces, step)
 
@@ -60,7 +60,7 @@ def sparse_beads(
 def _in_core(
     surfaces: LayerSurfaces, solid: TetMesh, points: np.ndarray, normals: np.ndarray, spacing: float, skins: int
 ) -> np.ndarray:
-    """(n,) bool: points with more than so many layers above and below them."""
+    """(n,) bool: points with more than ``skins`` layers above and below them."""
     if is_flat(surfaces):
         up = surfaces.mesh.face_normals[0]
         ways = [ways_out(solid, points, side * up, across(up)) for side in (1, -1)]

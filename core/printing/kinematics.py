@@ -239,7 +239,7 @@ def simplify_moves(
         away = np.abs(stations[inner] - straight).sum(axis=1)
         starts = np.searchsorted(row, np.arange(len(first)))
         worst = np.maximum.reduceat(away, starts)
-        # The first of several points that are as far.
+        # The first of several points that are equally far.
         found = np.flatnonzero(away == worst[row])
         split = inner[found[np.searchsorted(row[found], np.arange(len(first)))]]
         mean = (volumes[last] - volumes[first]) / lengths

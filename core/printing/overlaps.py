@@ -20,7 +20,7 @@ _PIECE = 0.25
 _INSIDE = 0.1
 # Where the tip is on its way to and from the end of a bead, in distances of lines along the tool.
 _WAY = np.arange(1, 33) / 16
-# Points that are looked at together.
+# Points per batch.
 _BATCH = 4096
 
 

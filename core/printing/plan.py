@@ -32,7 +32,7 @@ _ON_BED = 0.5
 _LEAN = 1.5
 # The tool meets what is higher above its tip than this, in spacings.
 _SLACK = 0.25
-# Points of overhangs that are looked at together.
+# Points of overhangs per batch.
 _BATCH = 8192
 # Less high than this, in spacings, a bead is not printed.
 _NO_HEIGHT = 0.02
@@ -182,7 +182,7 @@ def print_plan(
     """The :class:`PrintPlan` of :class:`Beads` on layers of a solid.
 
     The (4, 4) matrix leads from the solid's space to the world, without scale. Beads are a step apart, layers a spacing
-    in the mean, in scene units.
+    on average, in scene units.
     """
     lines, widths, layers, kinds = beads.lines, beads.widths, beads.layers, beads.kinds
     sheets, count, flat = layers, surfaces.count, is_flat(surfaces)
@@ -282,7 +282,9 @@ def _leaning(lines: Isolines, points: np.ndarray, ranks: np.ndarray, asked: np.n
     tree = cKDTree(places)
     for part in np.array_split(here, len(here) // _BATCH + 1):
         which, other = pairs_within(tree, points[part], reach)
-        result[part[which[ranks[piece[other]] < ranks[part[which]]]]] = True
+        point = part[which]
+        is_lower = ranks[piece[other]] < ranks[point]
+        result[point[is_lower]] = True
     return result
 
 

@@ -22,7 +22,7 @@ from .order import carrying_pairs
 
 # Weight w of edges, and of what holds levels where nothing lies below or above.
 _ALONG, _FREE = 10.0, 1e-6
-# Levels are told apart by whole numbers.
+# Levels differ by whole numbers.
 _EXACT = 1e-6
 # A layer that lies upon itself is a ramp where its levels differ by more. Shorter parts of lines on another sheet, in
 # steps, stay with what is beside them.
@@ -122,8 +122,8 @@ def _levels(count: int, carried: np.ndarray, carrying: np.ndarray, edges: np.nda
 def split_lines(lines: Isolines, sheets: np.ndarray, step: float) -> tuple[Isolines, np.ndarray, np.ndarray]:
     """Lines cut where their (n,) sheets change; parts that are shorter than a step or so stay with the part before.
 
-    Returns the parts, (k,) the sheet of each, and (m,) the point that each of theirs was: one where two parts meet is
-    in both.
+    Returns the parts, (k,) the sheet of each, and (m,) the former index of each of their points; where two
+    parts meet, both have the point.
     """
     starts, closed, ways = lines.starts, lines.closed, lines.steps
     points, sizes, of, ends = [], [], [], []

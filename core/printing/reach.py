@@ -11,7 +11,7 @@ from ..graphs import ragged_arange
 from ..unit_vectors import unit_vectors
 from .machine import Machine
 
-# Tips that are looked at together.
+# Tips per batch.
 _BATCH = 512
 # Radius of a sphere around a cube, over its side, and a little more for rounding.
 _AROUND = (1 + 1e-9) * 3**0.5 / 2

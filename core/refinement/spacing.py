@@ -204,7 +204,7 @@ def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") 
         )
     if spacing.min() < _FINEST * extent:
         raise SettingError(
-            f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
+            f"the spacing {spacing.min():g} is finer than the precision of coordinates on an object of {extent:g}: "
             f"give one from {1.1 * _FINEST * extent:.2g} on"
         )
 
@@ -240,7 +240,7 @@ def _area_factor(mesh: TriangleMesh, spacings: ArrayLike) -> float:
 
 
 def least_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
-    """The factor with which so many quads in a row, corner to corner, are as long as the longest component of the mesh.
+    """Find the factor on spacings with which ``faces`` quads, corner to corner, are as long as the longest component.
 
     The area of a needle is too small to determine a spacing.
     """

@@ -59,7 +59,7 @@ class Constraint:
             if value not in names:
                 raise SettingError(f"{self.label} has {value!r}: use one of {', '.join(names)}")
         if not isinstance(self.name, str):
-            raise SettingError(f"the name {self.name!r} in {self.where} {self.what} is not a text: give a name")
+            raise SettingError(f"the name {self.name!r} in {self.where} {self.what} is not text: give a name")
         check_text(self.name, f"the name in {self.where} {self.what}")
         if self.where in _NAMED and not self.name:
             raise SettingError(f"{self.label} has no name: choose {_NAMED[self.where]}")

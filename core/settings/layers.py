@@ -212,7 +212,7 @@ class LayerSettings(SolverSettings):
     divisions: int | None = _layer_setting(
         None,
         "Divisions",
-        "Number of layers in a period of the phase; where layers end inside the solid, so many end together",
+        "Number of layers in a period of the phase; where layers end inside the solid, a whole period ends",
         least=1,
         most=1000,
         unset="one, or as many as the tetrahedra need",

@@ -38,7 +38,7 @@ def check_options(options: Options, problem: SynchronizationProblem, start: Solu
 
 def _check_start(problem: SynchronizationProblem, start: Solution | np.ndarray, options: Options) -> None:
     if options.method not in ("sdp", DESCENT, FIRST, GLANCE, COARSE):
-        raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
+        raise SettingError(f"method {options.method!r} does not use a start: leave it out, or choose 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)
     count = problem.connection.node_count
     shape = (count, *problem.value_shape)

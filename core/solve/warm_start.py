@@ -45,15 +45,19 @@ class Follower:
     def __reduce__(self) -> tuple[type["Follower"], tuple[()]]:
         return Follower, ()
 
-    def take_on(self, problem: SynchronizationProblem) -> bool:
-        """Prepare a problem by what the one before it knows; False if it is not on the circle or has many pieces."""
+    def follow(self, problem: SynchronizationProblem) -> bool:
+        """Make a problem the next one to follow; False if :meth:`solve` cannot start from a field of the one before.
+
+        It can on the circle, with at most ``MOST_PIECES`` connected pieces. A problem that differs from the one before
+        in angles alone takes over its pieces and hierarchies.
+        """
         self._repeats = self._before is not None and problem.adopt(self._before)
-        is_followed = problem.is_circle and len(problem.layout) <= MOST_PIECES
+        is_followed = problem.is_circle and len(problem.layout) <= MOST_PIECES  # the layout is computed and kept
         self._before = problem.without_matrices
         return is_followed
 
     def solve(self, problem: SynchronizationProblem, phases: np.ndarray, callback: Callback | None = None) -> Solution:
-        """The solution, without a bound, that some steps from (n,) complex phases lead to.
+        """Descend some steps from (n,) complex phases; the solution has no bound.
 
         Raises :class:`~core.errors.Cancelled` when the callback says so.
         """

@@ -6,7 +6,7 @@ A request is a frozen dataclass of arrays and plain values, read from a scene be
 can be pickled, so that a child process can do the work (:mod:`..process.child`).
 
 ``progress`` is a callable(stage, fraction) or None; a false answer other than None cancels with
-:class:`..errors.Cancelled`; if it has a method ``expect``, that is told about how many seconds the work will take.
+:class:`..errors.Cancelled`; if it has a method ``expect``, that is called with the expected seconds of the work.
 Messages for the user are in the result's ``warnings``, the times of parts of the work, by name, in its ``seconds``.
 ``request.shared`` are objects that are also part of the result, so that they need not be sent back, and
 ``request.kept`` objects that the next request will probably contain too: the child process keeps them until then. Both

@@ -42,7 +42,7 @@ _THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
 _FACES_OF_TUBES = 20.0
 # Filaments that extend over fewer cells are left out.
 _STUB = 2.0
-# Sampling noise above which vorticity is not resolved, and above which there is none.
+# Sampling noise above which vorticity is not resolved, and above which the flow has none.
 _NOISE, _IRROTATIONAL = 0.8, 2.0
 # Least share of the vorticity that filaments carry without a warning, how far the share of a solve may be below the
 # wanted one, and how many solves with smaller circulations follow where it is further below; below this part of the
@@ -346,7 +346,7 @@ def about_noise(noise: float | None) -> Iterator[str]:
 
 
 def _about_quantum(found: ClebschMap) -> Iterator[str]:
-    """A warning where so many filaments pass the faces that the phase hardly tells them apart."""
+    """A warning where more filaments pass the faces than the phase can separate."""
     mean = mean_circulation(found.grid, found.integrals) / found.quantum
     if mean > _MANY_QUANTA:
         yield (

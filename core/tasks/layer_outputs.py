@@ -89,7 +89,7 @@ class Layering:
     @property
     def spacings(self) -> Spacings:
         """Statistics of the distances between the layers; where layers end inside, along rays from layer to layer: past
-        the end of a layer they reach the next but one, which gradients of the phase do not tell."""
+        the end of a layer they reach the next but one, which gradients of the phase do not show."""
         found = self.pattern.spacings
         if not found.counted or not self.pattern.tet_phases.punctured.any():
             return found
@@ -115,7 +115,7 @@ class Layering:
         return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
     def voxels(self, resolution: int) -> "VoxelsRequest":
-        """The request for a grid with so many voxels along its longest side."""
+        """The request for a grid with this number of voxels along its longest side."""
         return VoxelsRequest(self.solid, self.pattern.tet_phases, resolution)
 
 

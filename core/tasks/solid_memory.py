@@ -20,7 +20,7 @@ _INTEGRATED = 1250
 _SEARCHED, _PROVING = {False: 2100, True: 2600}, {False: 1800, True: 2800}
 # Crossings of levels with edges in each cube of the lattice, for each of its sizes in the spacing.
 _CROSSINGS = 6.3
-# Vertices in each cube, and more at each square of the surface; entries of a row of the matrix.
+# Vertices per cube of the lattice, further vertices per square of the surface; entries per row of the matrix.
 _INSIDE, _AT_SURFACE, _ROW_ENTRIES = 2.0, 1.3, 13.4
 # Nodes of a front for each square of a section, and for each side of a square around the section.
 _FRONT = 1.8
@@ -29,11 +29,11 @@ _BLOCKS, _ROW, _PRODUCTS = 110, 1080, 6
 
 
 class LayerMemory(NamedTuple):
-    """Bytes at the peak.
+    """Peak memory of a solve of layers, in bytes.
 
     Attributes
     ----------
-    needed : without a proof, which is left out where it does not fit, and without the layers' triangles, which are
+    needed : without a proved bound, which is left out where memory lacks, and without the layers' triangles, which are
         counted before they are made (:func:`..extract.layers.crossings.refuse_too_many_layers`)
     expected : with both
     """

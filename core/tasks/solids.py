@@ -163,7 +163,7 @@ class SolidRequest:
         return self._memory_in(None if self.solid is None else self.solid.tet_count)
 
     def _memory_in(self, tets: int | None) -> LayerMemory:
-        """Memory that the solve takes in so many tetrahedra, or in those that are made."""
+        """Memory that the solve takes in ``tets`` tetrahedra; None for the estimated number."""
         searched = is_searched(self.guide.is_axis, self.factors is None, len(self.flush_areas))
         mesh = self.surface.distance.mesh
         return layer_memory(Measures.of(mesh.vertices, mesh.triangles), self.lengths, searched, tets)
@@ -174,7 +174,7 @@ class SolidRequest:
         return self.surface.filled(self.lengths.size, [flush.area for flush in self.flush_areas])
 
     def _follow_guide(self, filled: FilledSurface) -> tuple[np.ndarray, float, float | np.ndarray, list[LayerGroup]]:
-        """Directions, the share of those that are continued, spacings and groups on the solid."""
+        """Directions at the solid's vertices, the share of them that is extrapolated, spacings, and groups."""
         directions, continued = self.guide.directions(filled)
         spacings: float | np.ndarray = self.lengths.spacing
         if self.factors is not None:

@@ -89,7 +89,7 @@ class SurfaceSource:
 
 
 def solve_seconds(command: str, settings: SurfaceSettings, vertex_count: int, frames: int = 1) -> float:
-    """About how long a command takes on one core, on a mesh with so many vertices in so many frames."""
+    """Estimate the seconds of a command on one core, by the numbers of vertices and frames."""
     seconds = _VERTEX_SECONDS[command] * vertex_count
     if settings.method != "sdp":
         seconds *= _QUICK

@@ -16,7 +16,7 @@ from synch_fields.docs.make.solid_pictures import RESOLUTION, SAMPLES, picture_o
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.looks.render import render_picture
 
-# Distance between layers of the block, whose thickness is 1 in the mean; and of the stripes.
+# Distance between layers of the block, whose thickness is 1 on average; and of the stripes.
 SPACING = 0.2
 # The plane: half its length, its heights at both ends, and vertices along and across.
 HALF, HEIGHTS, VERTICES = 1.25, (0.6, 1.4), (121, 61)

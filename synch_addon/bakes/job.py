@@ -223,7 +223,7 @@ def _numbers_at(copy, polygons, coordinates, numbering, size, margin):
     """(size, size) numbers of stripes or quads at the middle of each pixel, 0 where there is no face.
 
     The copy's mesh is replaced by its triangles laid out flat in the UV map; a bake of their indices and barycentric
-    coordinates tells for each pixel which place of the surface it shows.
+    coordinates gives the place on the surface that each pixel shows.
     """
     corners = polygons.triangle_corners
     flat = np.column_stack([coordinates[corners.ravel()], np.zeros(corners.size)])

@@ -185,7 +185,8 @@ def _make_way(mesh, name):
 
 
 def _remove(mesh, name):
-    with suppress(ReferenceError):  # the mesh may be gone by then
+    """Remove an attribute if it exists, at the end of a transaction, when the mesh itself may have been removed."""
+    with suppress(ReferenceError):
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
 

@@ -20,7 +20,7 @@ COLLECTION_NAME, _EARLIER_NAME = "Defects", "Synch Defects"
 _KIND, _INDEX, _FACE, _PHASE = "synch_kind", "synch_index", "synch_face", "synch_phase"
 # On our collections: "scene" for the one that holds all, "object" for the one of an object.
 _MARK = "synch_defects"
-# (positive, negative): warm and cool, in hues that tell the kinds apart too.
+# (positive, negative): warm and cool, in hues that differ between the kinds too.
 COLORS = {
     "disclination": ((1.0, 0.19, 0.05, 1.0), (0.02, 0.32, 1.0, 1.0)),
     "dislocation": ((1.0, 0.55, 0.0, 1.0), (0.0, 0.65, 0.55, 1.0)),
@@ -59,7 +59,8 @@ def write_defects(
     free = {}
     for empty in defect_empties(obj):
         if empty[_KIND] in kinds:
-            free.setdefault(_label_of(empty), []).append(empty)
+            label = _label(empty[_KIND], empty.get(_PHASE, ""), empty[_INDEX])
+            free.setdefault(label, []).append(empty)
     for of_label in free.values():
         of_label.sort(key=lambda empty: empty.name, reverse=True)
     counts, empties = {}, []
@@ -173,10 +174,6 @@ def _plain(value):
     if isinstance(value, Matrix):
         return tuple(map(tuple, value))
     return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
-
-
-def _label_of(empty):
-    return _label(empty[_KIND], empty.get(_PHASE, ""), empty[_INDEX])
 
 
 def _label(kind, phase, index):

@@ -33,7 +33,7 @@ def fill_mesh(data, points, corners, sizes=None, smooth=False):
     ----------
     points : (n, 3) places of the vertices
     corners : (f, k) vertices of faces that all have k corners; or (c,) of all faces, one after the other
-    sizes : (f,) number of corners of each face, None where ``corners`` tells it
+    sizes : (f,) number of corners of each face, None where ``corners`` implies it
     smooth : whether faces are shaded smooth
     """
     checked = _check_arrays(data.name, points, corners, sizes)

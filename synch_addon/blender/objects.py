@@ -19,11 +19,11 @@ def world_of(obj):
 
 
 def no_object(obj):
-    """Why something is no object of the file, in one line, or None."""
+    """Why something is not an object of the file, in one line, or None."""
     if obj is None:
         return "no active object: select a mesh object"
     if not isinstance(obj, bpy.types.Object):
-        return f"{quote_value(obj)} is no object: give one of bpy.data.objects"
+        return f"{quote_value(obj)} is not an object: give one of bpy.data.objects"
     try:
         return None if obj.session_uid else "the object has no number: give one of bpy.data.objects"
     except ReferenceError:

@@ -26,7 +26,7 @@ def quiet_stdout():
             _flush_c_streams()
             os.dup2(kept, 1)
             os.close(kept)
-            with suppress(OSError):  # what was not printed has been told by then
+            with suppress(OSError):  # an error has been reported by then
                 out.close()
 
 

@@ -23,8 +23,8 @@ TYPES = {
     "FLOAT4X4": (np.float32, 16, "value"),
 }
 PREFIX = "synch_"
-# What all of these mean together, raised where that changes: a custom property of each mesh that has one of them, and
-# in what an object keeps of its last solve. What has no number is of the first.
+# The version of what these mean together, raised where that changes: a custom property of each mesh that has one of
+# them, and in what an object keeps of its last solve. Without the property, it is the first version.
 FORMAT, STAMP = 1, "synch_format"
 FAVOURITE = re.compile(rf"{PREFIX}favourite_(\d+)_")
 
@@ -97,8 +97,8 @@ PARENTS = tuple(
 SOURCE_FACE = Attribute("synch_source_face", "FACE", "INT", "likewise: face of the object that a face is part of")
 WEIGHTS = Attribute("synch_weights", "POINT", "FLOAT_VECTOR", "likewise: weights of these vertices, which add up to 1")
 
-# What each kind of pattern has; what tells it by itself, which a favourite keeps; and what each frame of an animation
-# has of its own: places are the same in all frames.
+# The attributes of each kind of pattern; those that determine it, which a favourite keeps; and those that each frame of
+# an animation stores, since places are the same in all frames.
 PATTERNS = {
     kind: (*sum(phases, ()), *[CLOSING] * (len(phases) - 1), BARYCENTRIC, PATTERN, SPACING_ERROR)
     for kind, phases in PHASES.items()

@@ -14,7 +14,7 @@ from .modifiers import is_of_filaments
 from .objects import world_of
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
-# Over so many edges of the mesh, to both sides, the ways from a curve to the surface are averaged.
+# The offsets from a curve to the surface are averaged over this number of mesh edges to both sides.
 _SMOOTHED = 1.5
 # What the course of a spline depends on besides its points.
 _OF_SPLINES = ("use_cyclic_u", "use_endpoint_u", "use_bezier_u", "order_u", "resolution_u")
@@ -79,8 +79,8 @@ def polylines(source):
 
 
 def shape_of(source):
-    """Arrays that are equal as long as :func:`polylines` of an object are; they are only read, as while a panel is
-    drawn."""
+    """Arrays that change if :func:`polylines` of an object do. Nothing is written, so that panels may ask as they
+    are drawn."""
     if not _is_of_splines(source):
         return polylines(source)
     shape = list(_shape_of_keys(source.data.shape_keys))

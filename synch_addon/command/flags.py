@@ -29,13 +29,13 @@ class Made(NamedTuple):
 
 
 def add_number(command, flag, default, tip, metavar="X", **more):
-    """Add a flag for a number of the default's type, which its help tells."""
+    """Add a flag for a number of the default's type, which its help states."""
     kind = type(default)
     command.add_argument(flag, type=kind, default=default, metavar=metavar, help=f"{tip} (%(default)s)", **more)
 
 
 def add_choice(command, flag, choices, default, tip="", **more):
-    """Add a flag for one of some choices, whose help tells the default."""
+    """Add a flag for one of some choices, whose help states the default."""
     command.add_argument(flag, choices=choices, default=default, help=f"{tip} (%(default)s)".lstrip(), **more)
 
 

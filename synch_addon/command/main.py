@@ -102,7 +102,7 @@ def _at_dashes(arguments):
 def _carry_out(options, open_object, progress):
     """Run a command and write its report and picture, if asked for; returns what was made, with the paths.
 
-    Errors are SynchError, which the report tells, too, where one is asked for.
+    Errors are SynchError; a report that is asked for has them, too.
     """
     declared = declared_files(options)
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which flow is meant in the window, and how large its grid will be, told without reading it."""
+"""Which flow is meant in the window, and how large its grid will be, without reading it."""
 
 import math
 from functools import lru_cache

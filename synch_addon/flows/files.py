@@ -47,7 +47,7 @@ def filament_export(obj: bpy.types.Object, path: str | Path) -> Json:
         tubes = shown.tubes
         counted["tubes"] = tubes.pieces
         if suffix == TABLE:
-            raise SettingError(f"{path}: a table has filaments: write tubes as {', '.join(SUFFIXES[1:])}")
+            raise SettingError(f"{path}: a table holds filaments only: write tubes as {', '.join(SUFFIXES[1:])}")
         shape = tube_shape(tubes)
     else:
         lines, winding = memory.shown_filaments.get(obj)

@@ -35,7 +35,7 @@ def fill_filaments(obj, shown):
         parts = [line.course] if shown.unwrapped else line.parts
         for part in parts:
             spline = add_spline(data, part, is_closed=len(parts) == 1 and line.is_loop)
-            # Thicker where several lie on each other.
+            # Thicker where several coincide.
             thickness = math.sqrt(line.strength / shown.quantum)
             spline.points.foreach_set("radius", np.full(len(part), thickness, np.float32))
 

@@ -86,7 +86,9 @@ def flow_frames(source, first, last, attribute=VELOCITY):
         read = lambda path: flow_file(path, attribute, module)  # noqa: E731
     elif isinstance(source, bpy.types.Object) and source.type == "VOLUME":
         if not source.data.is_sequence:
-            raise SettingError(f"the volume {source.name} is no sequence: open its files as one, or solve it as it is")
+            raise SettingError(
+                f"the volume {source.name} is not a sequence: open its files as one, or solve it as it is"
+            )
         if last - first >= MOST_FRAMES:  # one that repeats has a file for each
             raise SettingError(f"the frames are {first} to {last}: give {MOST_FRAMES} frames or fewer at once")
         path_at, name = lambda frame: played_file(source.data, frame), source.name

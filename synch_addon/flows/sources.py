@@ -42,7 +42,7 @@ def objects_of(source):
     objects = list(objects) if isinstance(objects, Iterable) else []
     if not objects or not all(isinstance(obj, bpy.types.Object) for obj in objects):
         raise SettingError(
-            f"{quote_value(source)} is no flow: give a file, a volume, a mesh, or curves that stand for filaments"
+            f"{quote_value(source)} is not a flow: give a file, a volume, a mesh, or curves that stand for filaments"
         )
     for reason in filter(None, map(no_object, objects)):
         raise SettingError(reason)
@@ -54,7 +54,7 @@ def _filaments(objects, core):
     curves = []
     for obj in objects:
         if obj.type not in SOURCE_TYPES:
-            raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a file with a flow")
+            raise SettingError(f"{obj.name} is not a curve: choose curves, a volume, or a file with a flow")
         strength = obj.get(STRENGTH, 1.0)
         if not isinstance(strength, Real) or not math.isfinite(strength):
             raise SettingError(f"{obj.name}: its {STRENGTH} is {strength!r}: give the circulation as a number")

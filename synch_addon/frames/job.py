@@ -54,7 +54,7 @@ _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with the pattern of this fr
 
 @dataclass(frozen=True)
 class Span:
-    """Frames to solve, and what.
+    """The frames to solve, and how.
 
     Attributes
     ----------

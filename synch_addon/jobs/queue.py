@@ -81,7 +81,7 @@ class Work:
         try:
             while (piece := self.job.advance()) is not None and time.monotonic() < end:
                 pass
-        except BaseException as error:  # told by who waits for it
+        except BaseException as error:  # the caller that waits for the work reports it
             self.fail(error)
             return
         if piece is not None:
@@ -147,7 +147,7 @@ class Work:
 
     @classmethod
     def seconds_here(cls, label, seconds):
-        """How long work of a name takes on this machine that takes so many seconds of one core elsewhere."""
+        """Seconds on this machine of work that is estimated at ``seconds`` on one core, as learned for its label."""
         return seconds * cls._paces.get(label, 1.0)
 
     def _learn(self):
@@ -159,7 +159,7 @@ class Work:
 
     @property
     def share(self):
-        """Share of the work that is done, as far as that can be told.
+        """Share of the work that is done, as far as it is known.
 
         Between two reports it grows with time, by a part of what is left, and the slower the longer nothing is
         reported. A report that says that much more time is left than was expected lets it fall back.
@@ -208,7 +208,7 @@ class Work:
 
     @property
     def _left(self):
-        """Seconds left, where that can be told, and at least one."""
+        """Seconds left, where they can be estimated, and at least one."""
         left = self._estimate_left(self.age, self.fraction)
         return left if left is not None and left >= 1 else None
 
@@ -221,7 +221,7 @@ class Work:
 
     @property
     def times(self):
-        """Seconds that have passed, and about how many are left, where that can be told."""
+        """Seconds that have passed, and about how many are left, where they can be estimated."""
         passed, left = as_time(self.age), self._left
         return passed if left is None else f"{passed}, {translate('about {left} left', left=as_time(left))}"
 
@@ -306,7 +306,7 @@ class Queue:
             self._worker.tell(("end",))
 
     def stop(self):
-        """End all jobs, and the worker: the file is being closed, or the add-on taken out."""
+        """End all jobs, and the worker: the file is being closed, or the add-on disabled."""
         for work in reversed(self.works.copy()):
             self.cancel(work)
         self._end_worker()
@@ -337,7 +337,7 @@ class Queue:
             work.fail(
                 SynchError("there is not enough memory for the result: use a coarser mesh, or close other programs")
             )
-        except Exception as error:  # told by who waits for it
+        except Exception as error:  # the caller that waits for the work reports it
             self._end_worker()
             work.fail(error)
 

@@ -203,7 +203,7 @@ def _energy_line(values):
 
 
 def summary(report):
-    """The lines that a person wants to read."""
+    """The report as some lines of text."""
     name = one_line(report["object"])
     lines = [f"{report['command']} on {name}: {report['nodes']} vertices, {report['edges']} edges"]
     if report["energy"] is not None:

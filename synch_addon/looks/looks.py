@@ -15,9 +15,9 @@ _DRAWN_LIGHT = (-0.55, -0.5, 0.67)
 class _Texture:
     """Noise around an object."""
 
-    def __init__(self, canvas, spacing_attribute="synch_spacing"):
+    def __init__(self, canvas):
         self.canvas = canvas
-        (spacing,) = canvas.attribute(spacing_attribute, "Fac")
+        (spacing,) = canvas.attribute("synch_spacing", "Fac")
         spacing.socket.node.attribute_type = "OBJECT"
         places = canvas.value("ShaderNodeTexCoord", "Object", "Place")
         values = {0: places, "Scale": canvas.math("DIVIDE", 1.0, spacing)}
@@ -40,7 +40,7 @@ def _pattern(canvas, group, color, background, width, mean=None, **inputs):
 
 
 def _varied(canvas, share, color, ratio):
-    """A colour, and where the share is 1, as many times of its red, green and blue."""
+    """A colour; as the share goes from 0 to 1, its red, green and blue are multiplied by the ratios."""
     return canvas.color_mix(share, color, canvas.tinted(color, (*ratio, 1)))
 
 

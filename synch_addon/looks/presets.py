@@ -34,7 +34,7 @@ class Preset:
     kind : "stripes" or "quads"
     across : stripes or quads across the object
     draw : what :func:`new_material` calls
-    numbered : whether the look tells stripes apart
+    numbered : whether stripes of different numbers look different
     settings : of the solve
     """
 

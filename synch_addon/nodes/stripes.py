@@ -34,7 +34,7 @@ _SHARP = 5e-6
 def turning_angle(at_p, at_q, at_r):
     """ell at weights of P, Q and R in a triangle: it grows by 2 pi / 3 along each edge, once around the centre.
 
-    It is constant along rays from the centre: the vertex of smallest weight tells which edge the ray meets, and where.
+    It is constant along rays from the centre: the vertex of smallest weight shows which edge the ray meets, and where.
     """
     smallest = at_p.minimum(at_q).minimum(at_r).named("smallest weight")
     r_smallest = (at_r < at_p.minimum(at_q)).named("R smallest?")

@@ -45,7 +45,10 @@ solved again"""
         return None
 
     def invoke(self, context, event):
-        self._start, self._is_moved, self._is_slow = (event.mouse_region_x, event.mouse_region_y), False, False
+        self._start = event.mouse_region_x, event.mouse_region_y
+        self._is_moved = self._is_slow = False  # until the pointer leaves the dot; once a preview has taken too long
+        # The face under the pointer, the one that the shown pattern has the defect in, the solve that the drag began
+        # with, and the line beside the pointer: the change of energy, or an error.
         self._target, self._written, self._onto, self._line = self.face, self.face, None, ""
         return super().invoke(context, event)
 

@@ -10,7 +10,7 @@ from ..blender.changes import changes
 from ..blender.strokes import SOURCE_TYPES, shape_of
 from ..jobs.lru_cache import LruCache
 
-# Decimals of transforms: what is less comes of rounding, as where curve and mesh move together.
+# Decimals to which transforms are compared: rounding changes less, as where curve and mesh move together.
 _DECIMALS = 5
 
 _digests = LruCache(64)

@@ -29,7 +29,7 @@ def keep(obj, name=""):
     if result.get("command") not in schema.KEPT:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
     if is_apart(read_settings(result, obj.name), result):
-        raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
+        raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot store: use the seed")
     with meshes.object_mode(obj), whole_or_nothing():
         values = {
             attribute: attributes.read(surface_of(obj), attribute) for attribute in schema.KEPT[result["command"]]

@@ -128,7 +128,7 @@ def remove(obj, keys):
 
 
 def _by_curve(keys):
-    """Curve objects with the numbers of their splines among strokes' keys, the last one first."""
+    """Group strokes by their curve objects: pairs of an object and the numbers of its splines, in descending order."""
     numbers = {}
     for name, number in sorted(keys, reverse=True):
         numbers.setdefault(name, []).append(number)
@@ -197,5 +197,5 @@ def _add_lines(curve, lines):
 
 
 def _strokes_changed(curve):
-    """Blender tells nobody of splines that scripts add or remove."""
+    """Blender sends no message about splines that scripts add or remove."""
     curve.data.update_tag()

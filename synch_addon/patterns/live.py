@@ -148,7 +148,7 @@ class _Live:
 
     def _follow(self, obj):
         shown = memory.state(obj)
-        asked = self._asked(obj, shown)
+        asked = self._present_settings(obj, shown)
         known = (shown.report.settings, shown.report.curves_read), self._asked_last
         if asked is None or (asked in known and not self._is_painted):
             is_first = self._fade is None and self._stages[:1] == [ANEW]
@@ -167,8 +167,9 @@ class _Live:
         except SynchError as error:
             self._say(str(error))
 
-    def _asked(self, obj, shown):
-        """The settings that count now and the curves that they speak of; None where they cannot be."""
+    def _present_settings(self, obj, shown):
+        """The object's present settings, but for ``_OF_OTHERS``, which stay as in the shown solve, and the state of the
+        curves that they name; None if they are not valid: then the status line says why."""
         before = shown.report.settings
         try:
             settings = settings_for(shown.request.command, obj, stored_settings(obj))
@@ -183,7 +184,7 @@ class _Live:
         if obj is None:
             queue.cancel(work)
         elif (work.job.request.settles or work.age > _PATIENCE) and memory.holds(obj):
-            if self._asked(obj, memory.state(obj)) != self._asked_last:
+            if self._present_settings(obj, memory.state(obj)) != self._asked_last:
                 queue.end(work)
 
     def _finish(self, work):

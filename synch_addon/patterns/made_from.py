@@ -23,7 +23,7 @@ from .curves_read import curves_read
 
 # Stands for a digest where the solve reads nothing, or where it is unknown whether that has changed.
 _UNREAD = "-"
-# Of the last quad meshes that were asked for.
+# Whether the sources of the quad meshes that were asked for last have changed.
 _changed = LruCache(8)
 
 

@@ -60,14 +60,14 @@ def _write(obj, request, pattern):
 
 
 def renew_shown(obj):
-    """Number the stripes that an object shows anew where they were numbered before."""
+    """Number the stripes that an object shows again if they were numbered."""
     if NUMBER in surface_of(obj).data.attributes:
         with meshes.object_mode(obj), whole_or_nothing():
             renew_numbers(obj, *shown_pattern(obj))
 
 
 def renew_numbers(obj, request, pattern):
-    """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
+    """Number the stripes of an object again if they were numbered; remove the numbers if no stripe can be numbered."""
     if NUMBER not in surface_of(obj).data.attributes:
         return
     if pattern is None or pattern_kind(obj) != "stripes":
@@ -80,6 +80,6 @@ def renew_numbers(obj, request, pattern):
 
 
 def remove_numbers(obj):
-    """Take the numbers of an object's stripes away."""
+    """Remove the numbers of an object's stripes."""
     for name in (NUMBER, ALONG):
         attributes.remove_attribute(surface_of(obj), name)

@@ -76,7 +76,7 @@ def is_unchanged(obj, given):
 
 
 def moved_pins(text, before, after):
-    """Pins as text on faces of another mesh, for pins on faces of an object's mesh at the same places."""
+    """Move pins, as text, from faces of an object's mesh to the faces of another mesh at the same places."""
     pins = parse_pins(text)
     if not pins or before == after or _are_alike(before, after):
         return text

@@ -59,7 +59,7 @@ def read_back(obj, result, favourite=None):
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
     settings = settings_for(command, obj, read_settings(kept, obj.name))
     if is_apart(settings, kept):
-        raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
+        raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot store: solve it again")
     request = gather(command, surface, _asked_along_edges(settings))
     given = request.given
     own = schema.KEPT[command] if favourite is None else [a.in_favourite(favourite) for a in schema.KEPT[command]]

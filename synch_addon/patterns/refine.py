@@ -37,7 +37,7 @@ from . import memory, write
 FACES_SEEN = 500
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
-# Of the objects that were asked for last.
+# What is known of the objects that were asked for last.
 _seen = LruCache(16)
 
 

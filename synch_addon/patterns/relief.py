@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Relief: geometry node groups that subdivide a mesh and raise it by the profile of its pattern.
 
-They read the attributes alone, as the shaders do, so that relief and colour lie on each other. At a corner of a small
+They read the attributes alone, as the shaders do, so that relief and colour coincide. At a corner of a small
 face the attributes have the values of the place in the large face that it came from, linear in a triangle and bilinear
 in a quad, and the phase is evaluated there by the same formula. From face to face its sign and its multiples of 2 pi
 differ, but no profile sees them: the heights at the corners of a vertex agree, and the mean of them moves it.

@@ -43,7 +43,7 @@ MAPS = {
 
 
 def painted_map(obj):
-    """The word in :data:`MAPS` of what is painted on an object in weight paint mode, or None."""
+    """The kind of map, a word of :data:`MAPS`, that is being painted on an object, or None."""
     active = obj.vertex_groups.active if obj.mode == "WEIGHT_PAINT" else None
     return next((word for word, map_ in MAPS.items() if active and map_.of(obj) == active.name), None)
 

@@ -97,7 +97,7 @@ def bead_rings(plan, heights, around):
 
 
 def bead_faces(lines, around):
-    """Quads between rings of so many points, and caps at the ends of open beads cut into quads."""
+    """Quads between rings of ``around`` points, and caps at the ends of open beads cut into quads."""
     following = lines.next
     first = np.flatnonzero(following != np.arange(len(following)))
     here, there = first[:, None] * around, following[first][:, None] * around

@@ -70,7 +70,7 @@ def layer_toolpaths(
     infill : share of the volume between walls and skins that beads fill, 1 for all; None for the machine's
 
     Returns a dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what
-    :func:`print_facts` tells.
+    :func:`print_facts` reports.
 
     Raises SynchError with one line that names the element and the remedy; nothing is made.
     """

@@ -66,8 +66,8 @@ def print_facts(plan):
         "too_thin": float(plan.shares[thin].sum()),
         "too_thick": float(plan.shares[thick].sum()),
         "too_steep": float(plan.shares[steep].sum()),
-        "overhangs": _places(plan, plan.overhangs),
-        "collisions": _places(plan, plan.collided),
+        "overhangs": _longest_runs(plan, plan.overhangs),
+        "collisions": _longest_runs(plan, plan.collided),
         "machine": {name: value for name, value in dataclasses.asdict(machine).items() if value != math.inf},
     }
     has_contours = bool((plan.kinds != KINDS.index(INNER)).any())
@@ -85,17 +85,18 @@ def _spread_of(values, shares):
     return {"low": float(low), "median": float(middle), "high": float(high)}
 
 
-def _places(plan, chosen):
-    """Share of the length, and where: the layer, the path and the middle of each piece, the longest ones first."""
-    runs, numbers = plan.runs_of(chosen), plan.lines.numbers
-    lengths = [float(plan.shares[run].sum()) for run in runs]
-    order = np.argsort(-np.array(lengths), kind="stable")[:MOST_PLACES]
+def _longest_runs(plan, chosen):
+    """Where the chosen beads are, ready for JSON: their share of the length of all paths, the number of unbroken runs,
+    and the layer, path, middle and share of each of the longest runs."""
+    runs, path_of = plan.runs_of(chosen), plan.lines.numbers
+    shares = [float(plan.shares[run].sum()) for run in runs]
+    order = np.argsort(-np.array(shares), kind="stable")[:MOST_PLACES]
     places = [
         {
-            "layer": int(plan.layers[numbers[runs[k][0]]]),
-            "path": int(numbers[runs[k][0]]),
+            "layer": int(plan.layers[path_of[runs[k][0]]]),
+            "path": int(path_of[runs[k][0]]),
             "place": plan.places[runs[k][len(runs[k]) // 2]].tolist(),
-            "share": lengths[k],
+            "share": shares[k],
         }
         for k in order
     ]

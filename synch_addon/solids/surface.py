@@ -56,7 +56,7 @@ def _refuse_crossings(given, shallow):
         faces = np.unique(given.polygons.triangle_faces[met])
         verb = "meets" if len(faces) == 1 else "meet"
         raise MeshError(
-            f"{name_elements('face', faces)} {verb} other faces of the mesh, where inside and outside cannot be told: "
+            f"{name_elements('face', faces)} {verb} other faces of the mesh, where inside and outside are not defined: "
             "join the parts with a Boolean union or a Remesh modifier, and apply it",
             triangles[met],
         )

@@ -47,8 +47,8 @@ def make_volume(obj, layering, path):
 
 @contextmanager
 def grid_file(voxels, path):
-    """Write :class:`Voxels` to a .vdb file, inactive where they are nothing, which takes its place at the end; yields
-    the report's `voxels`, which are not, and `files`."""
+    """Write :class:`Voxels` to a .vdb file, with empty voxels inactive; the file appears at its path at the end. Yields
+    what the report has of it: `voxels`, the number of active ones, and `files`."""
     path = Path(path).absolute()
     vdb = openvdb_module()
     grid = vdb.FloatGrid(NOTHING)

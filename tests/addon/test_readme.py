@@ -63,11 +63,12 @@ def ball(radius=RADIUS):
 
 @pytest.fixture
 def names(folder, monkeypatch):
-    """The names that a block may rely on: an object in the scene, and arrays; images are small there."""
+    """The names that a block may rely on: an object in the scene, and arrays; images are small there, solids coarse."""
     obj = ball()
     mesh = meshes.read_mesh(obj).mesh
     longer = TriangleMesh(mesh.vertices * [1, 1, 1.1], mesh.triangles)
     monkeypatch.setattr(api, "bake", partial(api.bake, size=32, unwrap=True))
+    monkeypatch.setattr(api, "layers", partial(api.layers, size=0.1))
     found = {"bpy": bpy, "api": api, "obj": obj, "vertices": mesh.vertices, "triangles": mesh.triangles}
     return found | {"moved_problem": direction_problem(longer, symmetry=4)}
 

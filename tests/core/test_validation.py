@@ -53,7 +53,7 @@ def test_values_become_pythons_own_kinds(name, given, kept):
         ("count", 1.5, "the count is 1.5: give a whole number"),
         ("is_on", 1, "the is on is 1: give True or False"),
         ("name", 3, "the name is 3: give a text"),
-        ("name", "a\ud800", "the name is 'a\\\\ud800', which is no text: write it as UTF-8"),
+        ("name", "a\ud800", "the name is 'a\\\\ud800', which is not text: write it as UTF-8"),
         ("other", 3, "the setting 'other' is unknown: use one of number, count"),
     ],
 )

@@ -130,7 +130,7 @@ def _ways_to_middle(
 ) -> np.ndarray:
     """(k, 3) estimated vectors from corners to the middle of a face's stripe; zero in faces with a defect.
 
-    They tell the turns of a line apart where it runs beside itself.
+    They distinguish the turns of a line that runs beside itself.
     """
     face = np.repeat(np.arange(len(polygons.starts)), polygons.sizes)
     sizes = polygons.sizes[:, None]

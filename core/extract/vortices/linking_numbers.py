@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 from ...unit_vectors import unit_vectors
 from .filaments import Filament
 
-# Pairs of segments that are looked at together.
+# Pairs of segments per batch.
 _BATCH = 250_000
-# Pairs from which on those count by their middles that are so many times their lengths apart, to a thousandth: ten
-# times as fast; and pairs in all, 0.1 microseconds each.
+# From this number of pairs on, segments farther apart than _APART times their lengths are replaced by their middles,
+# which is exact to a thousandth and ten times as fast; and the largest number of pairs, of 0.1 microseconds each.
 _MANY_PAIRS, _APART = 2_000_000, 8.0
 MOST_PAIRS = 200_000_000
 

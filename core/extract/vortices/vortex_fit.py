@@ -9,9 +9,10 @@ from ...geometry.grid import Grid
 
 # Places tried along both sides of a face, and radii of the vortex's core, in sides.
 _SHARES, _CORES = np.linspace(0.05, 0.95, 10), (0.05, 0.2, 0.4, 0.7, 1.0, 1.5)
-# Misfit in radians within which places count alike, and the share of the flow that may be left for one to count at all.
+# Width in radians of the Gaussian that weights places by their misfit, and the largest share of the squared flow that
+# the best one may leave unexplained.
 _ALIKE, _LEFT = 0.05, 0.2
-# Faces that are worked on at once.
+# Faces per batch.
 _CHUNK = 4096
 
 
@@ -52,8 +53,10 @@ def _steps() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _edges_around(grid: Grid, faces: np.ndarray, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """(k, 24) edges of the 3 by 3 faces around each face in its plane, and (k,) whether all of them are on the grid."""
-    # Each edge begins some steps from the face's first node, and runs along the first axis of the plane or the second.
+    """(k, 24) edges of the 3 by 3 faces that surround each of (k,) faces in a plane, and (k,) bool, whether all exist.
+
+    ``plane`` has the numbers of the two axes that span the faces. Edges beyond the boundary are replaced by others.
+    """
     steps, kinds = _steps()
     corners = np.column_stack(np.unravel_index(grid.faces[faces, 0], grid.shape))
     places = np.repeat(corners[:, None], len(steps), axis=1)

@@ -43,7 +43,9 @@ def without_crowded_lines(mesh: TriangleMesh, edges: np.ndarray, side: ArrayLike
     if tree.count_neighbors(tree, NEAREST * sides.max(initial=0)) > MOST_PAIRS:
         return edges
     at, near = pairs_within(tree, points, NEAREST * sides[of])
-    at, near = (part[lines[of[at]] != lines[of[near]]] for part in (at, near))
+    line = lines[of]
+    is_other = line[at] != line[near]
+    at, near = at[is_other], near[is_other]
     along = unit_vectors(mesh.edge_vectors[edges])
     ways = points[near] - points[at]
     ways -= np.einsum("kx,kx->k", ways, along[of[at]])[:, None] * along[of[at]]

@@ -28,8 +28,8 @@ LEAST_ALONG = np.radians(50)
 # Two lines that meet at a smaller angle at the boundary could both run along the same direction of a cross, without a
 # quad between. Inside, where a sharp edge fades out beside another, such a corner needs none.
 NARROW = np.radians(50)
-# Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are no features;
-# a boundary always is. A piece with free ends, as bends on scans and low-poly animals have, needs a longer line.
+# Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are left out;
+# boundaries are not. A piece with free ends, as bends on scans and low-poly animals have, needs a longer line.
 SHORTEST_LINE, SHORTEST_PIECE, SHORTEST_FREE = 1.0, 4.0, 6.0
 # Where edges divide most of the surface into parts with room for fewer quads than this, the parts are facets.
 FEWEST_QUADS = 20.0
@@ -75,9 +75,11 @@ def feature_edges(
 def _is_long_piece(mesh: TriangleMesh, edges: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """(k,) bool: edges of connected pieces that are long, and have a long line if they have free ends.
 
-    ``lengths``: (k,) of the edges in sides of a quad. Marked edges are no exception: shading by angle marks bends, too.
+    ``lengths``: (k,) of the edges in sides of a quad. Marked edges are like others, since shading by angle marks
+    bends, too.
     """
-    ends, labels, lines = mesh.edges[edges], _connected_pieces(mesh, edges), pieces_between_corners(mesh, edges)
+    ends, lines = mesh.edges[edges], pieces_between_corners(mesh, edges)
+    labels = components(mesh.vertex_count, ends)[ends[:, 0]]
     is_free = (np.bincount(ends.ravel(), minlength=mesh.vertex_count) == 1)[ends].any(axis=1)
     longest = np.zeros(mesh.vertex_count)
     np.maximum.at(longest, labels, np.bincount(lines, lengths)[lines])
@@ -125,10 +127,6 @@ def _normals(mesh: TriangleMesh, faces: np.ndarray | None) -> np.ndarray:
     vectors = mesh.areas[:, None] * mesh.face_normals
     alone = np.bincount(faces)[faces] == 1
     return np.where(alone[:, None], mesh.face_normals, unit_vectors(sum_by(faces, vectors)[faces]))
-
-
-def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
-    return components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
 
 
 def pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:

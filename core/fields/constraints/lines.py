@@ -57,8 +57,8 @@ class Line:
         return sum_by(place, values) / np.bincount(place)
 
     @property
-    def shares(self) -> np.ndarray:
-        """(k,) length of line at each of the nodes."""
+    def node_lengths(self) -> np.ndarray:
+        """(k,) length of line that each of the :attr:`nodes` stands for, summed over its stations."""
         _, place = np.unique(self.vertices, return_inverse=True)
         return np.bincount(place, self.lengths)
 
@@ -105,7 +105,7 @@ def _reversed_edges(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
 
 
 def meeting_ends(ends: np.ndarray) -> np.ndarray:
-    """(m, 2) pairs of ends at vertices where exactly two edges meet, as places among the (k, 2) ends, flattened."""
+    """(m, 2) pairs of ends at vertices where exactly two edges meet, as indices into the flattened (k, 2) ends."""
     order = np.argsort(ends.ravel(), kind="stable")
     met = ends.ravel()[order]
     first = np.flatnonzero(met[:-1] == met[1:])

@@ -85,7 +85,7 @@ class Row:
 def penalties(mesh: TriangleMesh, row: Row) -> np.ndarray:
     """(k,) weights of a soft row's targets at its line's nodes."""
     assert row.weight is not None
-    return row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
+    return row.weight * row.line.node_lengths / np.sqrt(mesh.areas.sum())
 
 
 def direction_targets(

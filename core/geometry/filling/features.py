@@ -44,7 +44,8 @@ def sharpen_edges(
     regions = np.full(solid.vertex_count, -1)
     regions[boundary] = mesh.parts_between(sharp)[nearest(solid.vertices[boundary])]
     sides = np.unique(np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    crossing = sides[regions[sides[:, 0]] != regions[sides[:, 1]]]
+    ends = regions[sides]
+    crossing = sides[ends[:, 0] != ends[:, 1]]
     corners, segments = mesh.vertices[mesh.line_corners(sharp, SHARP)], mesh.vertices[mesh.edges[sharp]]
     # A vertex that has moved makes room for others.
     for _ in range(ROUNDS):
@@ -115,24 +116,25 @@ class _Moves:
     def __init__(self, solid: TetMesh) -> None:
         self._tets = solid.tets
         self.vertices = solid.vertices.copy()
-        self.done, self._stays = np.zeros((2, solid.vertex_count), bool)
-        self._order = np.argsort(solid.tets.ravel(), kind="stable") // 4
-        self._ends = np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count))
+        self.done, self._is_final = np.zeros((2, solid.vertex_count), bool)
+        # The tetrahedra around vertex v are self._around[self._begins[v] : self._begins[v + 1]].
+        self._around = np.argsort(solid.tets.ravel(), kind="stable") // 4
+        self._begins = np.append(0, np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count)))
 
     def attempt(self, vertex: int, place: np.ndarray, for_good: bool = False) -> bool:
         """Move a vertex if its tetrahedra stay within the bounds; returns whether it has moved.
 
         A vertex that was moved ``for_good`` is not moved again.
         """
-        if self._stays[vertex]:
+        if self._is_final[vertex]:
             return False
-        start = self._ends[vertex - 1] if vertex else 0
+        around = self._around[self._begins[vertex] : self._begins[vertex + 1]]
         old = self.vertices[vertex].copy()
         self.vertices[vertex] = place
-        if not within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]]):
+        if not within_bounds(self.vertices, self._tets[around]):
             self.vertices[vertex] = old
             return False
-        self.done[vertex], self._stays[vertex] = True, for_good
+        self.done[vertex], self._is_final[vertex] = True, for_good
         return True
 
 

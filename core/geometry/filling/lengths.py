@@ -145,7 +145,7 @@ class Lengths(NamedTuple):
         return lengths
 
     def _wider(self, distance: SurfaceDistance | Measures, size: float, edges: float, lowest: float) -> Iterator[str]:
-        """Remedies, in words: divisions or a spacing that tetrahedra of a size carry with so many edges in a period."""
+        """Remedies, in words: divisions or a spacing with which a period is as long as ``edges`` edges of a size."""
         divisions = math.ceil(edges * size / (self.spacing * lowest))
         divisions += self.spacing * divisions * lowest < edges * size
         yield f"{divisions} divisions"
@@ -189,7 +189,7 @@ def estimate(measures: SurfaceDistance | Measures, size: float | None = None) ->
 
 
 def _size_for_tets(measures: SurfaceDistance | Measures, tets: int) -> float:
-    """Find the size at which a solid has about so many tetrahedra."""
+    """Find the size at which a solid has about ``tets`` tetrahedra."""
     low, high = 0.0, float(np.ptp(measures.bounds, axis=0).max())
     for _ in range(50):
         middle = (low + high) / 2
@@ -203,5 +203,5 @@ def _smallest_size(measures: SurfaceDistance | Measures) -> float:
 
 
 def _size_for_cubes(measures: SurfaceDistance | Measures, cubes: int) -> float:
-    """Find the size that makes about so many cubes in the surface's box, of which long oblique bodies fill little."""
+    """Find the size that divides the surface's box, which oblique bodies fill little of, into about ``cubes`` cubes."""
     return 1.1 * float(np.prod(np.ptp(measures.bounds, axis=0)) / cubes) ** (1 / 3)

@@ -234,7 +234,7 @@ def estimated_tets(volume: float, size: float, area: float) -> int:
 
 
 def estimated_bytes(tets: int, bounds: ArrayLike, size: float) -> int:
-    """Estimate the peak memory of making so many tetrahedra in a box, without solves on them."""
+    """Estimate the peak memory of making tetrahedra in a box, without solves on them."""
     return round(BYTES_PER_TET * tets + BYTES_PER_CUBE * estimated_cubes(bounds, size))
 
 

@@ -55,6 +55,7 @@ class SurfaceDistance:
         return self._surface.nearest(points)[1]
 
     def __call__(self, points: ArrayLike) -> np.ndarray:
+        """Compute the (k,) signed distances of (k, 3) points, negative inside."""
         points = np.asarray(points, float)
         triangles = self.nearest(points)
         corners = self.mesh.vertices[self.mesh.triangles[triangles].T]

@@ -15,7 +15,7 @@ from ..triangle_mesh import TriangleMesh
 from .stuffing import NothingInside, estimated_cubes, estimated_tets, fill_surface
 from .surface_distance import SurfaceDistance
 
-# Share of the surface that may be farther from the solid than so many sizes, measured at so many places.
+# Share of the surface that may be farther from the solid than FAR sizes, measured at this number of places.
 LOST_AREA, FAR, PLACES = 0.05, 1.5, 4000
 # Share of the solid that may lie in more pieces than the surface has bodies.
 LOOSE_VOLUME = 0.05

@@ -120,12 +120,12 @@ def descend_stack(stack: Stack, start: np.ndarray, monitor: Monitor) -> tuple[np
 
 
 class _Search:
-    """Descents of the fields of a stack, and proofs.
+    """The search for the fields of a stack of small pieces: descents, and proofs of bounds.
 
     Attributes
     ----------
-    steps : of all descents
-    out_of_time : whether one of them has ended before its time
+    steps : number of steps of all descents
+    out_of_time : whether a descent was ended by the time limit
     """
 
     def __init__(self, stack: Stack, options: Options, monitor: Monitor) -> None:
@@ -256,15 +256,13 @@ class _Search:
         if options.rounding == "random":
             return fields
         point = side_by_side(np.concatenate([fields, found], axis=2))
-        metric = SideBySide(positive_inverse(turning_laplacians(stack), self._shifts(lifted)))
+        shifts = CANDIDATE_SHIFT * _densities(stack, multipliers(stack, lifted).sum(axis=1))
+        metric = SideBySide(positive_inverse(turning_laplacians(stack), shifts))
         fields = self._lowest(
             stacked_fields(self._descend_fields(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT
         )
         fields[:, :, :1] = self.polish(fields[:, :, :1], STEPS)
         return self._remove_copies(fields)
-
-    def _shifts(self, lifted: np.ndarray) -> np.ndarray:
-        return CANDIDATE_SHIFT * _densities(self._stack, multipliers(self._stack, lifted).sum(axis=1))
 
     def _normalize(self, fields: np.ndarray) -> np.ndarray:
         return stacked_fields(self._circles.normalize(side_by_side(fields)), len(self._stack))

@@ -35,7 +35,7 @@ SMOOTHED, DAMPING = 10, 2 / 3
 # steps of the best one there.
 SEARCHED_STEPS, PROLONGED, LAST_STEPS = 20, 3, 20
 # Prolonged lines of defects stay between the coarse nodes, where descent does not move them; diffusion does. Its
-# time, in units of 1 / density, and its steps, each of which gives fields to choose from, of which so many are kept (of
+# time, in units of 1 / density, and its steps, each of which gives candidates; the number of these that are kept (of
 # knots on 24^3 to 48^3 nodes, the best of all is among them); steps and tolerance of the descent of the best one.
 FREEING_TIME, FREEING_STEPS, FREED, FREED_STEPS, FREED_TOLERANCE = 0.15, 6, 12, 150, 1e-6
 

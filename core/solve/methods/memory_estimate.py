@@ -28,7 +28,7 @@ def connection_bytes(nodes: int, edges: int, block: int, is_complex: bool) -> in
 
 
 def elimination_bytes(piece: Piece, entries: int) -> int:
-    """Additional bytes of a factorization by dense blocks with so many entries at a time, and of its matrix."""
+    """Additional bytes of a factorization by dense blocks, with ``entries`` at a time, and of its matrix."""
     return entries * piece.matrix.dtype.itemsize + _ELIMINATED * piece.matrix.nnz
 
 

@@ -51,7 +51,7 @@ SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 15, 200
 FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers in memory at once, and columns of a batch at least: memory, and how soon a solve can be stopped. More cores
-# work at once where their batches, so many arrays for each, take at most this share of the memory.
+# work at once where their batches, of ARRAYS arrays each, take at most this share of the memory.
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 ARRAYS, SHARE_OF_MEMORY = 20, 1 / 8
 # Numbers, and columns, for which one more thread pays: with four columns a batch, threads wait for the interpreter more

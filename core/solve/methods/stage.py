@@ -74,7 +74,7 @@ class Stage:
         return max(energy, 0.0) * self.block / (self.width * float(self.reductions.sum(self.row_mass.sum())))
 
     def shift_at(self, point: np.ndarray) -> float:
-        """Shift of the metric of lifted fields, too small to change it much."""
+        """Shift of the metric L + shift M at a lifted field: a small share of its energy per mass."""
         return max(LIFTED_SHIFT * self.density(point), self._smallest_shift)
 
     def metric_at(self, point: np.ndarray) -> Metric:

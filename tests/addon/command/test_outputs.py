@@ -234,7 +234,7 @@ def test_without_a_stdout_the_command_runs(sphere):
 def test_names_that_are_no_text_are_refused_in_one_line(tmp_path, capsys):
     assert main(["info", str(tmp_path / "b\udcff.obj")]) == 1
     line = capsys.readouterr().err.strip()
-    assert line.startswith("synch info: the input is ") and line.endswith("which is no text: write it as UTF-8")
+    assert line.startswith("synch info: the input is ") and line.endswith("which is not text: write it as UTF-8")
 
 
 @pytest.mark.parametrize("name", ["bad.blend", "bad.glb", "bad.stl", "bad.ply"])

@@ -106,7 +106,7 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
     with pytest.raises(SettingError, match=r"has no vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
         clebsch(mine["vel"], attribute="speed")
     flow = sources.flow_source(mine["wind"], None).read()
-    assert flow.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
+    assert flow.warnings[0].startswith("Cd is used as the velocity (there are Cd (vec3s), wind (vec3s))")
 
 
 def test_filaments_that_were_shown_induce_the_flow_that_they_carry():

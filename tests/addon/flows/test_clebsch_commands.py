@@ -105,7 +105,7 @@ def test_the_command_finds_the_only_flow_of_a_file(tmp_path, capfd):
 def test_what_gives_no_flow_is_refused_in_one_line(tmp_path):
     obj = circle()
     for source in (None, 3, [], [obj, "Circle"]):
-        with pytest.raises(SettingError, match="is no flow: give a file"):
+        with pytest.raises(SettingError, match="is not a flow: give a file"):
             clebsch(source)
     obj[sources.STRENGTH] = "strong"
     with pytest.raises(SettingError, match="Circle: its synch_strength is 'strong': give the circulation"):

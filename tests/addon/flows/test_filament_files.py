@@ -58,7 +58,7 @@ def test_tubes_go_out_and_come_back_by_blender(tmp_path):
     if ".abc" in SUFFIXES:
         api.filament_export(lines, tmp_path / "lines.abc")
     assert [obj for obj in bpy.data.objects if obj.select_get()] == chosen
-    with pytest.raises(SettingError, match="a table has filaments: write tubes as"):
+    with pytest.raises(SettingError, match="a table holds filaments only: write tubes as"):
         api.filament_export(tubes, tmp_path / "tubes.csv")
     assert [can_export(obj) for obj in (tubes, lines, None, grid())] == [True, True, False, False]
     places = np.array([vertex.co for vertex in tubes.data.vertices])

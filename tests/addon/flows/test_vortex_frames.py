@@ -183,7 +183,7 @@ def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
     assert snapshot() == before
     volume = volume_of(folder)
     volume.data.is_sequence = False
-    with pytest.raises(SettingError, match="is no sequence"):
+    with pytest.raises(SettingError, match="is not a sequence"):
         api.clebsch(volume, frames=(1, 2))
     bpy.ops.curve.primitive_bezier_circle_add()
     with pytest.raises(SettingError, match="frames are solved of numbered files"):

@@ -83,11 +83,13 @@ def test_camera_is_as_close_as_a_whole_view_of_the_object_allows(size, view):
     assert free == pytest.approx(0.07, abs=2e-3)
 
 
-def test_the_demo_solves_and_renders_suzanne(tmp_path, monkeypatch):
-    """With a coarse one and a small picture; `.ci/run` runs the whole demo on one Blender."""
-    monkeypatch.setattr(main, "add_demo_object", partial(add_demo_object, 4.0))
-    set_up = render._set_up_render
-    monkeypatch.setattr(render, "_set_up_render", lambda scene, path, *_: set_up(scene, path, (32, 24), 1))
+@pytest.mark.parametrize("coarseness", [4.0, pytest.param(1.0, marks=pytest.mark.slow)])
+def test_the_demo_solves_and_renders_suzanne(coarseness, tmp_path, monkeypatch):
+    """With a coarse one and a small picture; slow, the whole demo."""
+    if coarseness > 1:
+        monkeypatch.setattr(main, "add_demo_object", partial(add_demo_object, coarseness))
+        set_up = render._set_up_render
+        monkeypatch.setattr(render, "_set_up_render", lambda scene, path, *_: set_up(scene, path, (32, 24), 1))
     assert main.main(["demo", "--folder", str(tmp_path), "--quiet"]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["demo.blend", "demo.json", "demo.png"]
     assert json.loads((tmp_path / "demo.json").read_text())["certificate"] == "proved"

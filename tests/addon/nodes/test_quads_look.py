@@ -65,8 +65,8 @@ def points_of(polygons, uv):
     return np.concatenate(pixels), np.concatenate(triangles), np.concatenate(weights)
 
 
-def baked(obj, outputs, **inputs):
-    """(PIXELS, PIXELS, 3) values of up to three outputs of the group over the unfolded faces."""
+def baked(obj, outputs, pixels=PIXELS, **inputs):
+    """(pixels, pixels, 3) values of up to three outputs of the group over the unfolded faces."""
     material, *_ = surface_material("probe")
     tree = material.node_tree
     tree.nodes.clear()
@@ -84,16 +84,16 @@ def baked(obj, outputs, **inputs):
     tree.links.new(raised.outputs[0], glow.inputs["Color"])
     tree.links.new(glow.outputs[0], surface.inputs["Surface"])
     picture = tree.nodes.new("ShaderNodeTexImage")
-    picture.image = bpy.data.images.new("baked", PIXELS, PIXELS, float_buffer=True)
+    picture.image = bpy.data.images.new("baked", pixels, pixels, float_buffer=True)
     tree.nodes.active = picture
     obj.data.materials.clear()
     obj.data.materials.append(material)
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", 1
     bpy.ops.object.bake(type="EMIT", margin=0)
-    values = np.empty(PIXELS * PIXELS * 4, np.float32)
+    values = np.empty(pixels * pixels * 4, np.float32)
     picture.image.pixels.foreach_get(values)
-    return values.reshape(PIXELS, PIXELS, 4)[:, :, :3] - OFFSET
+    return values.reshape(pixels, pixels, 4)[:, :, :3] - OFFSET
 
 
 def random_phases(obj):
@@ -199,7 +199,7 @@ def test_strands_of_the_weave_pass_above_and_below_in_turn(plane):
 @pytest.mark.parametrize("width", [0.0, 0.3, 1.0])
 def test_width_is_the_part_of_the_area_that_has_the_color(plane, width):
     for profile in (GRID_LINES, CHECKER, WEAVE, DOTS):
-        factor = baked(plane, PICTURE, Profile=profile, Width=width, Softness=0.0)[:, :, 0]
+        factor = baked(plane, PICTURE, 256, Profile=profile, Width=width, Softness=0.0)[:, :, 0]
         assert factor.min() > -1e-5 and factor.max() < 1 + 1e-5
         if profile == WEAVE:  # crossings, and the strands between them
             assert width - 0.01 < factor.mean() < 1 - (1 - np.sqrt(width)) ** 2 + 0.01

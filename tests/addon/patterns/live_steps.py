@@ -45,7 +45,7 @@ def _asks():
     obj = bpy.context.active_object
     shown = memory.state(obj)
     known = (shown.report.settings, shown.report.curves_read), live._asked_last
-    return live._is_painted or live._asked(obj, shown) not in (None, *known)
+    return live._is_painted or live._present_settings(obj, shown) not in (None, *known)
 
 
 def settled(seconds=60.0):

@@ -237,7 +237,7 @@ def test_a_file_that_is_opened_again_tells_what_came_apart():
     obj = add_object(*hourglass()[:2])
     api.stripes(obj, spacing=0.3)
     memory.forget(obj)
-    with pytest.raises(SynchError, match="has cuts, which its attributes cannot tell: solve it again"):
+    with pytest.raises(SynchError, match="has cuts, which its attributes cannot store: solve it again"):
         api.isolines(obj)
     whole = patched()
     api.stripes(whole, spacing=0.3)

@@ -236,5 +236,5 @@ def test_lines_of_a_pattern_with_cuts_need_its_solve(tmp_path):
     api.stripes(obj, spacing=0.5, constraints=[{"where": "seams", "what": "cut"}])
     api.isolines(obj)
     obj = save_and_reopen(tmp_path / "cut.blend", obj.name)
-    with pytest.raises(SynchError, match="has cuts, which its attributes cannot tell: solve it again"):
+    with pytest.raises(SynchError, match="has cuts, which its attributes cannot store: solve it again"):
         api.isolines(obj)

@@ -44,7 +44,7 @@ def test_undo_and_redo_bring_back_the_state_in_memory():
     api.place_defects(obj, [11])
     step("place")
     placed = made(obj)
-    for number in range(300, 300 + 20):  # as the slider does while it is dragged
+    for number in range(310, 320):  # as the slider does while it is dragged
         api.vary(obj, number)
     step("slider")
     varied = made(obj)

@@ -133,7 +133,7 @@ def test_a_line_of_the_same_phase_that_joins_two_phases_is_named():
         ([{"where": "group", "what": "along"}], "has no name: choose a vertex group"),
         (
             [{"where": "group", "what": "along", "name": 7}],
-            "row 1: the name 7 in group along is not a text: give a name",
+            "row 1: the name 7 in group along is not text: give a name",
         ),
         ([{"where": "seams", "what": "angle", "degrees": "10"}], "the degrees of the constraint seams angle is '10'"),
         ([{"where": "seams", "what": "angle", "degrees": float("nan")}], "is nan: give a finite number"),

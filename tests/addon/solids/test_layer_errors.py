@@ -151,7 +151,7 @@ def test_a_thin_plate_is_told_the_size_that_fills_it(side):
 
 def test_a_plate_whose_tetrahedra_stay_long_is_reported():
     """Until they have the size that the warning leads to."""
-    obj = block((1, 1, 0.12), (4, 4, 1))
+    obj = block((0.6, 0.6, 0.12), (3, 3, 1))
     asked = {"groups": "Bottom=layer,Top=layer", "spacing": 0.04}
     (warning,) = api.layers(obj, size=0.1, divisions=10, **asked)["warnings"]
     assert re.match(r"in \d+% of the thin walls between groups, tetrahedra are longer than 50% of the", warning)

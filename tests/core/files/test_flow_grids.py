@@ -57,7 +57,7 @@ def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
     two = vti(tmp_path / "two.vti", {"Wind": VELOCITY, "B": -VELOCITY})
     check(flow_file(two, "B").read(), -VELOCITY)
     (warning,) = flow_file(two).read().warnings
-    assert warning.startswith("Wind is taken for the velocity (there are Wind, B)")
+    assert warning.startswith("Wind is used as the velocity (there are Wind, B)")
     curl = flow_file(vti(tmp_path / "curl.vti", {"Vorticity": VELOCITY})).read()
     assert curl.is_vorticity and not flow_file(two).read().is_vorticity
 

@@ -23,7 +23,7 @@ BUILDS = [
     pytest.param(lambda: direction_problem(icosphere(4), 4), id="crosses-icosphere"),
     pytest.param(lambda: stripes_on(bumpy_torus(30), 1, 20), id="stripes-torus"),
 ]
-# Energies of many patterns are 1.9 % above the whole solve's in the mean, 12 % at most.
+# Energies of many patterns are 1.9 % above the whole solve's on average, 12 % at most.
 ABOVE = 1.12
 
 

@@ -70,7 +70,7 @@ def test_any_phases_are_followed_to_less_energy_and_constraints_hold(build):
     random = np.random.default_rng(0)
     phases = solve(problem).phases * np.exp(0.3j * random.standard_normal(problem.connection.node_count))
     follower = Follower()
-    assert follower.take_on(problem)
+    assert follower.follow(problem)
     found = follower.solve(problem, phases)
     assert found.energy < problem.energy(phases)
     np.testing.assert_allclose(found.phases[problem.fixed.nodes], problem.fixed.values, atol=1e-12)
@@ -92,7 +92,7 @@ def test_a_problem_takes_from_the_one_before_only_what_is_its_own():
     for connection, targets, adopts in zip(others, fixed, (True, False, False, False), strict=True):
         follower, fresh = Follower(), Follower()
         problem, again = (SynchronizationProblem(connection, flips.mass, fixed=targets) for _ in range(2))
-        assert follower.take_on(flips) and follower.take_on(problem) and fresh.take_on(again)
+        assert follower.follow(flips) and follower.follow(problem) and fresh.follow(again)
         assert (problem._embedding is flips._embedding) == adopts
         np.testing.assert_array_equal(follower.solve(problem, phases).phases, fresh.solve(again, phases).phases)
         assert not {"factor", "pieces"} & set(vars(follower._before)) and "_embedding" in vars(follower._before)
@@ -148,7 +148,7 @@ def test_from_the_third_problem_on_steps_are_those_of_a_follower_that_assembles_
     follower, phases = Follower(), solve(along(0.5)).phases
     for number, spacing in enumerate((0.505, 0.51, 0.515, 0.52, 0.525)):
         problem = along(spacing)
-        assert follower.take_on(problem)
+        assert follower.follow(problem)
         found = follower.solve(problem, phases)
         assert ("factor" in vars(problem)) == (number < 2) and follower._repeats == (number > 0)
         fresh = Follower()
@@ -167,8 +167,8 @@ def test_to_another_process_a_problem_goes_without_what_can_be_made_again(along)
 
 
 def test_only_fields_on_the_circle_in_few_pieces_are_followed():
-    assert not Follower().take_on(SynchronizationProblem(random_connection("rotations", 20)))
-    assert not Follower().take_on(direction_problem(together(*[icosphere(1)] * 33), 4))
+    assert not Follower().follow(SynchronizationProblem(random_connection("rotations", 20)))
+    assert not Follower().follow(direction_problem(together(*[icosphere(1)] * 33), 4))
 
 
 def test_to_another_process_it_goes_empty(along):

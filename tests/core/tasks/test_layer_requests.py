@@ -88,7 +88,7 @@ def test_printed_layers_are_levels_of_a_longer_period(divisions):
 @pytest.mark.parametrize("divisions", [3, 10])
 def test_groups_lie_on_the_levels_that_fit(divisions):
     """Floor and top 1 apart are 25 layers of 0.04: not a whole number of periods of 3 or 10."""
-    surface = closed(cube(2))
+    surface = closed(flattened(0.5, 0.5, 1))
     z = surface.mesh.vertices[:, 2]
     areas = [Area(name, np.flatnonzero((z[surface.mesh.triangles] == level).all(axis=1)))
              for name, level in (("the floor", z.min()), ("the top", z.max()))]  # fmt: skip
@@ -151,7 +151,7 @@ def test_a_copy_from_a_pickle_solves_to_the_same_bits():
 
 def test_spacings_are_those_of_the_surface_times_its_factors():
     surface = closed(cube(4))
-    result = request_in(surface, 0.15, 0.07, factors=1 + surface.mesh.vertices[:, 2]).solve()
+    result = request_in(surface, 0.15, 0.09, factors=1 + surface.mesh.vertices[:, 2]).solve()
     steps = np.diff([height.mean() for height in heights_of(result.surfaces)])
     assert (np.diff(steps) > 0).all() and 0.15 < steps[0] < 0.2 and 0.22 < steps[-1] < 0.3
 

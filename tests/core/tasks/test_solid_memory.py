@@ -125,7 +125,7 @@ print(taken / request.estimate.bytes)
         ("ball", 0.1, 0.3, "whirl"),
         pytest.param("ball", 0.085, 0.3, "whirl", marks=pytest.mark.slow),
         ("6 6 0.5", 0.16, 0.3, "whirl"),
-        ("8 1 1", 0.12, 0.3, "whirl"),
+        pytest.param("8 1 1", 0.12, 0.3, "whirl", marks=pytest.mark.slow),
         ("1 1 1", 0.055, 0.01, "up"),  # many layers across an edge
     ],
 )

@@ -183,7 +183,7 @@ def test_groups_of_points_edges_and_areas():
     np.testing.assert_array_equal(line.nodes, np.flatnonzero(area))
     assert np.unique(line.pieces).size == 1
     # The outline is a line of length 2, of which directions hold; the inside is an area of a quarter.
-    assert line.shares.sum() == pytest.approx(2 + 0.25)
+    assert line.node_lengths.sum() == pytest.approx(2 + 0.25)
     assert np.isnan(line.angles).sum() == area.sum()
     scattered = corner | ((x == 1) & (y == 1))
     assert len(np.unique(line_of_group(mesh, scattered).pieces)) == 2
