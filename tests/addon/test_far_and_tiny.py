@@ -209,7 +209,7 @@ def test_what_needs_no_finer_faces_is_made_with_a_vertex_far_out_and_warned_of(t
 def test_the_finest_spacing_that_is_named_is_accepted():
     places, faces = ball()
     obj = add_object(places * 1e6, faces)
-    with pytest.raises(SettingError, match="finer than numbers tell places") as refused:
+    with pytest.raises(SettingError, match="finer than the precision of coordinates") as refused:
         api.quads(obj, spacing=1e-4, surface="faces")
     finest = float(str(refused.value).split("give one from ")[1].removesuffix(" on"))
     api.quads(obj, spacing=finest, surface="faces", method="spectral")
