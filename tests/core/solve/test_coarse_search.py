@@ -46,7 +46,7 @@ def test_diffusion_moves_the_lines_of_defects_that_a_coarse_search_finds():
     whole, coarse, diffused = (
         solve(problem, Options(rounding=rounding)).energy for rounding in ("continuation", COARSE, COARSE_DIFFUSED)
     )
-    assert whole * (1 - 1e-3) <= diffused <= 1.01 * whole
+    assert whole * (1 - 1e-3) <= diffused <= 1.02 * whole
     assert diffused - whole < 0.7 * (coarse - whole)
 
 

@@ -318,7 +318,7 @@ def test_the_start_decides_with_either_descending_rounding(how):
     [
         (np.ones((81, 2)), Options(), "shape"),
         (np.full(81, np.nan), Options(), "node 0"),
-        (np.ones(81), Options(method="spectral"), "no use"),
+        (np.ones(81), Options(method="spectral"), "does not use a start"),
     ],
 )
 def test_a_start_that_does_not_fit_is_refused(start, options, words):
