@@ -237,6 +237,7 @@ def test_only_lines_of_several_quads_that_are_lost_are_solved_for_again(monkeypa
     assert any("5 of 10 lines" in line for line in found.warnings)
 
 
+@pytest.mark.full_search
 def test_crowded_sharp_edges_are_left_out_where_a_bad_mesh_gets_better(monkeypatch):
     """Of each narrow chamfer of a cube one edge; a mesh that is not bad is not solved again."""
     request = asked(chamfered_cube(cut=0.04, cells=8), faces=160, features=ANGLE / 2, smoothing=20)
