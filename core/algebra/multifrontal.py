@@ -98,25 +98,20 @@ class Elimination:
         return most
 
     @cached_property
-    def rounding(self) -> np.ndarray:
-        """(n,) bounds of the rounding error by rows of the matrix, in units of the diagonal's last digit.
+    def chains(self) -> np.ndarray:
+        """(b,) the most roundings of a product of entries in each block's rows, and of an entry of the matrix.
 
-        If the factorization of A runs to its end in floating-point numbers, A + E is positive semidefinite with
-        |E_ij| <= (r + 4) eps sqrt(a_ii a_jj), r the entries of the earlier row of the factor (Demmel 1989; Higham 2002,
-        Theorem 10.5; twice the unit roundoff leaves room for terms of second order), for real numbers. Row sums of
-        these bounds, over the pattern of R + R^H (Gershgorin, after scaling by the diagonal).
+        A product is added to the others of its panel, their sum to the rest of the block, and that to the parent's,
+        up to the root; an entry of the matrix goes through the additions alone.
         """
-        own, later = self.sizes
-        block = np.repeat(np.arange(len(own)), own)
-        inside = np.arange(len(block)) - self.starts[block]
-        changed = np.concatenate([*self.reaches, np.empty(0, int)])
-        terms = inside + 5.0 + np.bincount(changed, np.repeat(own, later), len(block))
-        sums = np.append(0.0, np.cumsum(terms))
-        before = sums[:-1] - sums[self.starts[block]]
-        before += np.bincount(changed, np.repeat(np.diff(sums[self.starts]), later), len(block))
-        result = np.empty(len(block))
-        result[self.order] = before + terms * ((own + later)[block] - inside)
-        return result
+        own, parents = self.sizes[0], self.parents
+        panels = -(-own // _PANEL)
+        children = np.bincount(parents[parents >= 0], minlength=len(own))
+        added, above = panels + children, np.zeros(len(own), int)
+        for block in range(len(own) - 1, -1, -1):
+            if parents[block] >= 0:
+                above[block] = above[parents[block]] + added[parents[block]]
+        return np.minimum(own, _PANEL) + 3 + panels + above + int((above + added).max(initial=0))
 
 
 def _products(own: ArrayLike, later: ArrayLike) -> np.ndarray:
@@ -130,13 +125,19 @@ def _rows(nodes: np.ndarray, block: int) -> np.ndarray:
     return (block * nodes[:, None] + np.arange(block)).ravel()
 
 
-def is_definite(matrix: csr_matrix, elimination: Elimination) -> bool:
-    """Whether the factorization of a Hermitian matrix with positive diagonal runs to its end, in the order of an
-    elimination of its pattern: then it is positive definite, but for :attr:`Elimination.rounding`."""
+def rounding_error(matrix: csr_matrix, elimination: Elimination) -> np.ndarray | None:
+    """Factorize a Hermitian matrix with positive diagonal in the order of an elimination of its pattern.
+
+    Returns None if the factorization does not run to its end: the matrix is not positive definite. Otherwise A + E is
+    positive semidefinite, where the computed factor bounds the error of rounding: |E| <= t eps |R|^H |R|, with t the
+    roundings of one term (Higham 2002, Theorem 10.3; an eps of twice the unit roundoff leaves room for terms of second
+    order), for real numbers. The result are the (n,) row sums of that bound, in units of eps.
+    """
     starts, parents = elimination.starts, elimination.parents
     permuted = matrix[elimination.order]
     heads, pointers, data = inverse(elimination.order)[permuted.indices], permuted.indptr, permuted.data
     waiting: list[list[tuple[np.ndarray, np.ndarray]]] = [[] for _ in parents]
+    errors = np.zeros(matrix.shape[0])
     for block, reach in enumerate(elimination.reaches):
         start, end = starts[block : block + 2].tolist()
         rows = np.concatenate([np.arange(start, end), reach])
@@ -156,33 +157,42 @@ def is_definite(matrix: csr_matrix, elimination: Elimination) -> bool:
             for strip in range(0, len(at), _STRIP):
                 front[np.ix_(at[strip : strip + _STRIP], at[strip:])] += rest[strip : strip + _STRIP, strip:]
             del rest
-        if not _eliminate(front, end - start):
-            return False
+        sums = _eliminate(front, end - start)
+        if sums is None:
+            return None
+        errors[rows] += elimination.chains[block] * sums
         if len(reach):
             waiting[parents[block]].append((front[end - start :, end - start :].copy(), reach))
         del front
-    return True
+    result = np.empty_like(errors)
+    result[elimination.order] = errors
+    return result
 
 
-def _eliminate(front: np.ndarray, count: int) -> bool:
-    """Eliminate the first rows of the upper triangle of a dense block; False where that is not possible.
+def _eliminate(front: np.ndarray, count: int) -> np.ndarray | None:
+    """Eliminate the first rows of the upper triangle of a dense block; None where that is not possible.
 
-    Products come from NumPy, which lets other threads run meanwhile; functions of scipy.linalg do not.
+    Returns the row sums of |R|^H |R| for the rows R of the factor. Products come from NumPy, which lets other threads
+    run meanwhile; functions of scipy.linalg do not.
     """
     (solve,) = get_blas_funcs(("trsm",), dtype=front.dtype)
+    sums = np.zeros(len(front))
     for first in range(0, count, _PANEL):
         last = min(first + _PANEL, count)
         try:
             factor = np.linalg.cholesky(front[first:last, first:last].conj().T)
         except np.linalg.LinAlgError:
-            return False
+            return None
         if not np.isfinite(factor).all():
-            return False
+            return None
         panel = np.ascontiguousarray(front[first:last, last:])
-        if not panel.size:
-            break
-        panel = solve(1, factor, panel.T, side=1, lower=1, trans_a=1, overwrite_b=1).T
+        if panel.size:
+            panel = solve(1, factor, panel.T, side=1, lower=1, trans_a=1, overwrite_b=1).T
+        sizes, later = np.abs(factor), np.abs(panel)
+        of_rows = sizes.sum(axis=0) + later.sum(axis=1)
+        sums[first:last] += sizes @ of_rows
+        sums[last:] += of_rows @ later
         for strip in range(last, len(front), _STRIP):
             here = slice(strip, strip + _STRIP)
             front[here, strip:] -= panel[:, strip - last : strip - last + _STRIP].conj().T @ panel[:, strip - last :]
-    return True
+    return sums
