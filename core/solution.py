@@ -80,7 +80,7 @@ class Options:
     seed : of all random choices, 0 or more; the same seed gives the same result to the last digit
     time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``
     integrate : whether fields that fit up to the noise of a solve are found along a tree, without a search
-    long_proofs : whether to prove bounds that take more than about ten seconds to prove, if memory suffices
+    long_proofs : whether to prove bounds however long it takes, if memory suffices
     """
 
     method: str = SolverSettings.method

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sparse factorizations of positive definite matrices, for the smallest level, spectral relaxation and proofs."""
+"""Sparse factorizations of positive definite matrices, for the smallest level, spectral relaxation and curl."""
 
 import numpy as np
 from scipy.sparse import csr_matrix

@@ -115,7 +115,7 @@ class Elimination:
 
 
 def _products(own: ArrayLike, later: ArrayLike) -> np.ndarray:
-    """Number of multiplications for blocks of so many rows that reach so many later ones."""
+    """Count the multiplications for blocks with ``own`` rows that reach ``later`` ones."""
     own, later = np.asarray(own, float), np.asarray(later, float)
     return own**3 / 6 + own**2 * later / 2 + own * later**2 / 2
 

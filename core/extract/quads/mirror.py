@@ -151,6 +151,12 @@ class MirrorSide:
             images = [cKDTree(quads.vertices).query(_reflect(quads.vertices, unit))[1] for unit in self.units]
             for unit, image in zip(self.units, images, strict=True):
                 places = (places + _reflect(places[image], unit)) / 2
+            # On the surface again, where one side decides for both.
+            sides, places = places @ self.units.T, self.whole.finder.nearest(places)[0]
+            for unit, image, side in zip(self.units, images, sides.T, strict=True):
+                mirrored = _reflect(places[image], unit)
+                places = np.where((side < 0)[:, None], mirrored, places)
+                places = np.where((image == np.arange(len(image)))[:, None], (places + mirrored) / 2, places)
             tried = replace(quads, vertices=np.where(near[:, None], places, quads.vertices))
             # Of each connected part, the better places count.
             gains, ends, corners = offs**2 - worst_deviations(tried) ** 2, quads.half_edges, quads.corner_vertices

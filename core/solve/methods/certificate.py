@@ -27,8 +27,8 @@ from ...piece import Piece
 from .memory_estimate import elimination_bytes
 from .stage import Workspace
 
-# A factorization in double precision is tried as a proof up to this many rows, and up to so many multiplications for
-# each entry of L, which take as long as the relaxation: surfaces need some 1,000.
+# A factorization in double precision is tried as a proof up to these numbers of rows, and of multiplications for each
+# entry of L: these take as long as the relaxation, and surfaces need some 1,000.
 LARGEST_PROOF, LONGEST_ELIMINATION = 1_000_000, 25_000
 # Allowance for rounding errors at first, in units of the diagonal's last digit, for each rounding of one term; how many
 # allowances are tried, and how much larger than the error the second one is. Errors were 7 to 15 such units.

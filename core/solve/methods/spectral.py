@@ -52,7 +52,7 @@ def _smallest_eigenpairs(piece: Piece, seed: int) -> tuple[np.ndarray, np.ndarra
 
 
 def is_narrow(piece: Piece) -> bool:
-    """Whether a factorization by columns, which is also applied many times, takes little time and memory."""
+    """Whether a factorization by columns, which is also applied many times, takes little time."""
     most = LONGEST_FACTORIZATION * piece.matrix.nnz
     is_short = piece.reductions.is_whole and piece.matrix.shape[0] <= LARGEST_PROOF
     return is_short and Elimination.of(piece.matrix, piece.block, most) is not None

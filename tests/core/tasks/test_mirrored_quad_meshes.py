@@ -61,6 +61,8 @@ def test_a_mirrored_quad_mesh_is_its_own_image_at_every_count(shape, axes, faces
     assert (quads.euler_characteristic, (quads.edges[1] == 2).all()) == (2, True)
     assert abs(len(quads.sizes) / faces - 1) < 0.15
     assert np.bincount(quads.edges[0].ravel()).min() > 2 and worst_deviations(quads).max() < 55
+    away = np.linalg.norm(mesh.finder.nearest(quads.vertices)[0] - quads.vertices, axis=1)
+    assert away.max() < 2e-3 * quads.edge_lengths.mean()
     for axis in axes:
         image = quads.vertices * np.where(np.array(list("XYZ")) == axis, -1, 1)
         apart, partner = cKDTree(quads.vertices).query(image)
