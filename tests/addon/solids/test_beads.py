@@ -62,7 +62,7 @@ def test_beads_are_tubes_with_what_they_have():
 
 def test_a_slider_shows_the_beads_that_are_printed_by_then(monkeypatch):
     """In the order of the program, with one object of tubes being cut and the others as they are."""
-    monkeypatch.setattr(beads_module, "_POINTS", 40)
+    monkeypatch.setattr(beads_module, "_POINTS", 30)
     obj = block()
     obj.location, obj.rotation_euler = (1, 2, 3), (0, 0, 0.5)
     api.layers(obj, spacing=0.25, size=0.12)
