@@ -10,7 +10,7 @@ from ...core.refinement.spacing import lines_in_period
 from ..blender.registration import register_all
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns.refine import expected_spacing, mesh_detail
-from ..settings.fields import original_of
+from ..settings.fields import AUTOMATIC_SPACING, original_of
 
 # Settings of each direction: guidance and angle.
 _DIRECTIONS = {
@@ -118,8 +118,7 @@ class SynchSimple(bpy.types.PropertyGroup):
         step=100,
     )
     automatic_spacing: BoolProperty(
-        name="Automatic Spacing",
-        description="About forty stripes across the object, or as many as the mesh can carry",
+        **AUTOMATIC_SPACING,
         get=lambda simple: simple.id_data.synch.automatic_spacing,
         set=_set_automatic,
     )

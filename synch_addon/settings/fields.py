@@ -21,6 +21,10 @@ PROPERTY_NAMES = tuple(name for name, record in RECORDS.items() if record.group 
 MESH_NAMES = {name: f"mesh_{name}" for name, record in RECORDS.items() if "quad_mesh" in record.variants}
 # Settings that a quad mesh takes from its source, besides the guidance.
 DIRECTED_NAMES = ("angle", "angle_attribute", "angle_range", "boundary", "vertex_group")
+# Name and tooltip of the stored property, and of the one in the simple panel.
+AUTOMATIC_SPACING = dict(
+    name="Automatic Spacing", description="About forty stripes across the object, or as many as the mesh can carry"
+)
 # What an object has of its own besides.
 STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", *MESH_NAMES.values())
 
@@ -47,8 +51,7 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
     guide: PointerProperty(name="Guide", description="The only guide", type=SynchGuide)
     guides: CollectionProperty(name="Guides", description="The guides of a blend", type=SynchGuide)
     automatic_spacing: BoolProperty(
-        name="Automatic Spacing",
-        description="About forty stripes across the object, or as many as the mesh can carry",
+        **AUTOMATIC_SPACING,
         default=True,
     )
     constraints: CollectionProperty(
