@@ -15,6 +15,8 @@ from pathlib import Path
 # The machine, the process, its start, and a random part.
 _NAME = re.compile(r"\.synch-([0-9a-f]{8})-(\d+)-(\d+)-[0-9a-f]{16}")
 _SINCE_UNKNOWN = "0"
+# Folders that have been swept: all in which this process makes files with such names.
+_swept: set[Path] = set()
 # Windows' exit code of a process that runs, and the right to ask for it.
 _STILL_ACTIVE, _QUERY_LIMITED = 259, 0x1000
 
@@ -24,13 +26,25 @@ def own_name(suffix: str = "") -> str:
     return f".synch-{_machine()}-{os.getpid()}-{_since(os.getpid())}-{secrets.token_hex(8)}{suffix}"
 
 
-@cache
 def sweep(folder: Path) -> None:
     """Remove leftovers of killed processes of this user and machine from a folder, once for each folder."""
+    if folder in _swept:
+        return
+    _swept.add(folder)
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if _is_left_behind(entry):
                 _remove(entry)
+
+
+def remove_own() -> None:
+    """Remove what this process has begun in the swept folders, before it ends in the middle of writing."""
+    own = own_name().rpartition("-")[0]
+    for folder in tuple(_swept):
+        with suppress(OSError), os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.name.startswith(own):
+                    _remove(entry)
 
 
 def mark(folder: Path) -> None:

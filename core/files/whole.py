@@ -4,6 +4,7 @@
 import os
 import shutil
 import stat
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from functools import partial
@@ -149,10 +150,10 @@ def check_writable(path: str | Path) -> None:
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
         return
-    probe = place_beside(target)
     try:
-        probe.touch(exist_ok=False)
-        probe.unlink()
+        tempfile.TemporaryFile(
+            dir=target.parent
+        ).close()  # where the system can, without a name: none is left if killed
     except OSError as error:
         raise unwritten(path, error.strerror or error) from None
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.files.leftovers import mark, sweep_marked
+from ...core.files.leftovers import mark, remove_own, sweep_marked
 
 # Of the names of Blender's temporary folders.
 _PREFIX = "blender_"
@@ -42,4 +42,5 @@ def leave_now(status):
         with suppress(OSError, ValueError):
             stream.flush()
     shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    remove_own()
     os._exit(status)

@@ -9,9 +9,9 @@ import sys
 
 import pytest
 
-from synch_fields.core.files import leftovers
-from synch_fields.core.files.leftovers import mark, own_name, sweep, sweep_marked
-from synch_fields.core.files.whole import write_text
+from synch_fields.core.files import leftovers, whole
+from synch_fields.core.files.leftovers import mark, own_name, remove_own, sweep, sweep_marked
+from synch_fields.core.files.whole import check_writable, write_text, write_whole
 
 # A process that is in the middle of writing a file and has marked a folder.
 WRITING = """
@@ -32,7 +32,7 @@ with write_whole(here / "out.txt") as made:
 
 @pytest.fixture(autouse=True)
 def unswept():
-    sweep.cache_clear()
+    leftovers._swept.clear()
 
 
 @pytest.fixture
@@ -84,6 +84,25 @@ def test_a_number_of_a_process_that_another_one_has_now_is_no_life(tmp_path):
     (tmp_path / f"{earlier}.folder" / "file").touch()
     sweep(tmp_path)
     assert os.listdir(tmp_path) == []
+
+
+def test_a_process_that_ends_while_it_writes_removes_what_it_has_begun(tmp_path, writing):
+    writing()
+    with write_whole(tmp_path / "own.txt") as made:
+        made.write_text("half")
+        others = {name for name in os.listdir(tmp_path) if name != made.name}
+        remove_own()
+        assert not made.exists() and set(os.listdir(tmp_path)) == others and len(others) == 2
+        made.write_text("whole")
+    assert (tmp_path / "own.txt").read_text() == "whole"
+
+
+def test_a_check_that_a_file_can_be_made_makes_none(tmp_path, monkeypatch):
+    """Also where the process is killed in the middle of it."""
+    named = []
+    monkeypatch.setattr(whole, "place_beside", lambda path: named.append(path) or path)
+    check_writable(tmp_path / "out.json")
+    assert not named and os.listdir(tmp_path) == []
 
 
 def test_a_marked_folder_of_this_process_stays(tmp_path):
