@@ -19,6 +19,8 @@ TOLD, COVERED, MOST_PLACES = 0.001, 0.99, 20
 # Warnings come from this difference of the beads' volume from the solid's on, as a share of it, and outside these
 # widths of beads, over the nozzle's opening; and from this share of the paths' length on whose beads are narrower.
 VOLUME, WIDTHS, NARROW = 0.02, (0.6, 2.0), 0.05
+# A part that is smaller than this many openings of the nozzle is told to be scaled.
+SMALL = 10
 
 
 def layer_facts(layering):
@@ -71,7 +73,10 @@ def print_facts(plan):
         "machine": {name: value for name, value in dataclasses.asdict(machine).items() if value != math.inf},
     }
     has_contours = bool((plan.kinds != KINDS.index(INNER)).any())
-    return facts | {"warnings": list(_about_print(facts, plan.step * machine.scale, has_contours))}
+    size = float(np.ptp(plan.places, axis=0).max()) * machine.scale
+    return facts | {
+        "warnings": [*_about_size(size, machine), *_about_print(facts, plan.step * machine.scale, has_contours)]
+    }
 
 
 def program_facts(program):
@@ -101,6 +106,14 @@ def _longest_runs(plan, chosen):
         for k in order
     ]
     return {"share": float(plan.shares[chosen].sum()), "pieces": len(runs), "places": places}
+
+
+def _about_size(size, machine):
+    if size < SMALL * machine.bore:
+        yield (
+            f"the part is {size:.2g} mm long, with {machine.scale:g} mm for a scene unit: set scale in a file for "
+            "--machine, such as scale = 1000 where a unit is a metre"
+        )
 
 
 def _about_print(facts, step, has_contours):

@@ -54,6 +54,13 @@ def test_beads_narrower_than_the_nozzle_are_told(tmp_path, wide, is_narrow):
     assert len(told) == is_narrow and not any("take contours" in line for line in report["warnings"])
 
 
+@pytest.mark.parametrize(("scale", "is_small"), [(1, True), (1000, False)])
+def test_a_part_of_metres_is_told_to_be_small_in_millimetres(layered, tmp_path, scale, is_small):
+    (tmp_path / "printer.toml").write_text(f"scale = {scale}\nbore = 0.4\n")
+    report = api.layer_toolpaths(layered, 0.2, machine=tmp_path / "printer.toml")
+    assert any("set scale" in line for line in report["warnings"]) == is_small
+
+
 @pytest.mark.parametrize(("machine", "filament"), [("clay", False), ("marlin", True)])
 def test_the_volume_that_is_extruded_is_told(machine, filament):
     """2 m of filament of 1.75 mm are 4.81 cubic centimetres; of clay 2000 mm are 2 of these."""
