@@ -86,7 +86,7 @@ def longest_edge(mesh: TriangleMesh, spacings: ArrayLike) -> float | None:
     """
     at_vertices = np.asarray(spacings, float)
     at_vertices = at_vertices.min(axis=1) if at_vertices.ndim == 2 else at_vertices
-    limits = EDGE_SHARE * np.broadcast_to(at_vertices, mesh.vertex_count)[mesh.edges].min(axis=1)
+    limits = EDGE_SHARE * (at_vertices[mesh.edges.T].min(axis=0) if at_vertices.ndim else at_vertices)
     much_longer = (mesh.edge_lengths > _TOO_LONG * limits)[mesh.triangle_edges].any(axis=1)
     few = (mesh.edge_lengths > limits).mean() <= COARSE_SHARE
     is_fine = few and mesh.areas[much_longer].sum() <= COARSE_SHARE * mesh.areas.sum()
