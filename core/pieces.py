@@ -10,6 +10,7 @@ from typing import Self
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
+from .algebra.blocks import rows_of
 from .connection import Fibre
 from .graphs import ragged_arange
 from .piece import NOISE, PERFECT, Piece
@@ -143,7 +144,7 @@ class Pieces:
     def rows(self, numbers: np.ndarray) -> np.ndarray:
         """Concatenate the rows of pieces in the whole problem's coordinates."""
         columns, _ = self._columns(numbers)
-        return self._rows_of(columns)
+        return rows_of(columns, self._block)
 
     def masses(self, numbers: np.ndarray) -> np.ndarray:
         """Concatenate the masses of the nodes of pieces."""
@@ -153,9 +154,6 @@ class Pieces:
         """Concatenate the columns of pieces; also returns the position in ``numbers`` of each column's piece."""
         owners, places = ragged_arange(self.sizes[numbers])
         return self._order[self._starts[numbers][owners] + places], owners
-
-    def _rows_of(self, columns: np.ndarray) -> np.ndarray:
-        return (columns[:, None] * self._block + np.arange(self._block)).ravel()
 
     def _factor_rows(self, numbers: np.ndarray) -> np.ndarray:
         owners, places = ragged_arange(self._row_counts[numbers])
@@ -186,10 +184,10 @@ class Pieces:
         count, most = len(numbers), sizes.max()
         columns, owners = self._columns(numbers)
         nodes = owners * most + ragged_arange(sizes)[1]
-        rows = (nodes[:, None] * block + np.arange(block)).ravel()
+        rows = rows_of(nodes, block)
         weights = self.weights[numbers] / (block * sizes)
         factor = self._factor[self._factor_rows(numbers)]
-        factor = _with_columns(factor, self._rows_of(columns), rows, count * most * block)
+        factor = _with_columns(factor, rows_of(columns, self._block), rows, count * most * block)
         product = (factor.conj().T @ factor).tocoo()
         size = most * block
         matrices = np.zeros((count, size, size), product.dtype)

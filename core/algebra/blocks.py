@@ -13,6 +13,11 @@ def on_rows(multipliers: np.ndarray, block: int) -> np.ndarray:
     return np.repeat(multipliers, block) if multipliers.ndim == 1 else multipliers
 
 
+def rows_of(nodes: np.ndarray, block: int) -> np.ndarray:
+    """Find the rows of (k,) nodes that have ``block`` rows each."""
+    return (block * nodes[:, None] + np.arange(block)).ravel()
+
+
 def traces(multipliers: np.ndarray) -> np.ndarray:
     """Compute the traces of (n, d, d) blocks; (n,) numbers stay."""
     return multipliers if multipliers.ndim == 1 else np.trace(multipliers, axis1=1, axis2=2)

@@ -15,6 +15,7 @@ from scipy.linalg import get_blas_funcs
 from scipy.sparse import bsr_matrix, csr_matrix
 
 from ..graphs import inverse
+from .blocks import rows_of
 from .dissection import dissect
 
 # Rows of a panel, which are eliminated at once, and of a strip of the rest.
@@ -66,7 +67,7 @@ class Elimination:
             waiting[step] = []
             if len(reach):
                 waiting[own[reach[0]]].append(reach)
-        return cls(_rows(order, block), block * starts, [_rows(reach, block) for reach in reaches])
+        return cls(rows_of(order, block), block * starts, [rows_of(reach, block) for reach in reaches])
 
     @cached_property
     def sizes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -118,11 +119,6 @@ def _products(own: ArrayLike, later: ArrayLike) -> np.ndarray:
     """Count the multiplications for blocks with ``own`` rows that reach ``later`` ones."""
     own, later = np.asarray(own, float), np.asarray(later, float)
     return own**3 / 6 + own**2 * later / 2 + own * later**2 / 2
-
-
-def _rows(nodes: np.ndarray, block: int) -> np.ndarray:
-    """The rows of nodes that have ``block`` rows each."""
-    return (block * nodes[:, None] + np.arange(block)).ravel()
 
 
 def rounding_error(matrix: csr_matrix, elimination: Elimination) -> np.ndarray | None:
