@@ -8,6 +8,7 @@ import secrets
 import shutil
 import sys
 import zlib
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -15,8 +16,6 @@ from pathlib import Path
 # The machine, the process, its start, and a random part.
 _NAME = re.compile(r"\.synch-([0-9a-f]{8})-(\d+)-(\d+)-[0-9a-f]{16}")
 _SINCE_UNKNOWN = "0"
-# Folders that have been swept: all in which this process makes files with such names.
-_swept: set[Path] = set()
 # Windows' exit code of a process that runs, and the right to ask for it.
 _STILL_ACTIVE, _QUERY_LIMITED = 259, 0x1000
 
@@ -26,25 +25,34 @@ def own_name(suffix: str = "") -> str:
     return f".synch-{_machine()}-{os.getpid()}-{_since(os.getpid())}-{secrets.token_hex(8)}{suffix}"
 
 
-def sweep(folder: Path) -> None:
-    """Remove leftovers of killed processes of this user and machine from a folder, once for each folder."""
-    if folder in _swept:
-        return
-    _swept.add(folder)
+class _Swept:
+    """The folders that this process has swept, which are all in which it makes files with such names."""
+
+    def __init__(self) -> None:
+        self.folders: set[Path] = set()
+
+    def sweep(self, folder: Path) -> None:
+        """Remove leftovers of killed processes of this user and machine from a folder, once for each folder."""
+        if folder not in self.folders:
+            self.folders.add(folder)
+            _remove_all(folder, _is_left_behind)
+
+    def remove_own(self) -> None:
+        """Remove what this process has begun in these folders, before it ends in the middle of writing."""
+        own = own_name().rpartition("-")[0]
+        for folder in tuple(self.folders):
+            _remove_all(folder, lambda entry: entry.name.startswith(own))
+
+
+swept = _Swept()
+sweep, remove_own = swept.sweep, swept.remove_own
+
+
+def _remove_all(folder: Path, is_chosen: Callable[[os.DirEntry[str]], bool]) -> None:
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            if _is_left_behind(entry):
+            if is_chosen(entry):
                 _remove(entry)
-
-
-def remove_own() -> None:
-    """Remove what this process has begun in the swept folders, before it ends in the middle of writing."""
-    own = own_name().rpartition("-")[0]
-    for folder in tuple(_swept):
-        with suppress(OSError), os.scandir(folder) as entries:
-            for entry in entries:
-                if entry.name.startswith(own):
-                    _remove(entry)
 
 
 def mark(folder: Path) -> None:
@@ -55,10 +63,10 @@ def mark(folder: Path) -> None:
 
 def sweep_marked(folder: Path, prefix: str) -> None:
     """Remove the subfolders with a prefix that killed processes have marked."""
-    with suppress(OSError), os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.name.startswith(prefix) and entry.is_dir(follow_symlinks=False) and _has_ended_mark(entry):
-                _remove(entry)
+    _remove_all(
+        folder,
+        lambda entry: entry.name.startswith(prefix) and entry.is_dir(follow_symlinks=False) and _has_ended_mark(entry),
+    )
 
 
 def _has_ended_mark(folder: os.DirEntry[str]) -> bool:

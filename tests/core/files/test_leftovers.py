@@ -32,7 +32,7 @@ with write_whole(here / "out.txt") as made:
 
 @pytest.fixture(autouse=True)
 def unswept():
-    leftovers._swept.clear()
+    leftovers.swept.folders.clear()
 
 
 @pytest.fixture
