@@ -151,9 +151,8 @@ def check_writable(path: str | Path) -> None:
     if target.exists() and not target.is_file():
         return
     try:
-        tempfile.TemporaryFile(
-            dir=target.parent
-        ).close()  # where the system can, without a name: none is left if killed
+        # Without a name, where the system can: none is left if the process is killed.
+        tempfile.TemporaryFile(dir=target.parent).close()
     except OSError as error:
         raise unwritten(path, error.strerror or error) from None
 
