@@ -15,6 +15,7 @@ from .repair.all_quads import all_quads
 from .repair.bad_corners import mend_bad_corners
 from .repair.narrow_tunnels import close_narrow_tunnels, find_flat_faces
 from .repair.quad_collapse import collapse_quads
+from .repair.strips import Rules, meet_count
 from .repair.tip_recovery import recover_tips
 from .smooth.fitting import fit_quads, keep_better, part_vertices
 from .smooth.worst_corners import move_worst_corners
@@ -22,6 +23,8 @@ from .trace.quad_mesh import QuadMesh
 
 # Neighbours move only to mend bad corners if the cosine between their normals is smaller: rims keep their shape.
 _SHARP = 0.5
+# Rounds of smoothing after a strip of quads was added or removed.
+_AFTER_STRIP = 5
 # Rings of vertices around a face that are smoothed with it.
 _AROUND = 3
 # A vertex of the quad mesh with a barycentric coordinate below this lies on the edge.
@@ -36,6 +39,7 @@ def finish_quads(
     only_quads: bool = False,
     closes_tunnels: bool = False,
     apart: Callable[[QuadMesh], np.ndarray] | None = None,
+    wanted: float = 0,
 ) -> QuadMesh:
     """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
 
@@ -50,6 +54,7 @@ def finish_quads(
     only_quads : whether all faces become quads
     closes_tunnels : whether handles of a closed surface may be lost
     apart : tells the (n,) bool vertices of a quad mesh that no new edge may join to one another
+    wanted : number of faces for which strips of quads are added or removed, as far as these exist; 0 for any number
 
     Errors as :func:`check_quads`.
     """
@@ -66,6 +71,9 @@ def finish_quads(
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
         chains = chains and chains.of_vertices(kept)
+        if wanted and not closes_tunnels:
+            rules = _strip_rules(mesh, rows, features, apart, min(rounds, _AFTER_STRIP))
+            quads, chains = meet_count(quads, mesh, chains, wanted, rules)
     if closes_tunnels:  # collapses may leave two faces that enclose no volume
         thick = ~find_flat_faces(quads)
         kept, quads = np.unique(quads.corner_vertices[thick[quads.corner_faces]]), quads.only(thick)
@@ -79,6 +87,29 @@ def finish_quads(
     apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
     return part_vertices(quads, mesh, ~free[kept])
+
+
+def _strip_rules(
+    mesh: TriangleMesh,
+    rows: Sequence[Row],
+    features: FeatureLines | None,
+    apart: Callable[[QuadMesh], np.ndarray] | None,
+    rounds: int,
+) -> Rules:
+    """How strips of a quad mesh may change; arguments as of :func:`finish_quads`."""
+
+    def follow(quads: QuadMesh) -> tuple[QuadMesh, Chains | None]:
+        return (quads, None) if features is None else follow_features(quads, features)
+
+    def smooth(quads: QuadMesh, chains: Chains | None) -> QuadMesh:
+        return keep_better(fit_quads(quads, mesh, _free(quads, mesh, rows, chains)[1], rounds, chains), quads)
+
+    def held(quads: QuadMesh) -> np.ndarray:
+        return _on_rows(quads, mesh, [row for row in rows if row.kind != GRID])
+
+    return Rules(
+        follow, smooth, held, lambda quads: np.zeros(len(quads.vertices), bool) if apart is None else apart(quads)
+    )
 
 
 def smooth_faces(
