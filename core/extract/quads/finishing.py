@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ...errors import SettingError
 from ...fields.constraints.rows import GRID, Row
 from ...geometry import TriangleMesh
-from .features.chains import Chains, follow_features
+from .features.chains import Chains, carry_chains, follow_features
 from .features.feature_lines import FeatureLines
 from .repair.all_quads import all_quads
 from .repair.bad_corners import mend_bad_corners
@@ -64,9 +64,11 @@ def finish_quads(
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), apart_vertices)
-        if features is not None and quads is not followed:
-            quads, chains = follow_features(quads, features)
+        keep = [] if chains is None else chains.edges(quads)
+        followed, (quads, origins) = quads, all_quads(quads, mesh, keep, apart_vertices)
+        if features is not None and chains is not None and quads is not followed:
+            carried = carry_chains(quads, chains, followed, origins)
+            quads, chains = carried or follow_features(quads, features)
     if only_quads and (quads.sizes == 4).all():
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)

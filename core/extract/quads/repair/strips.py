@@ -94,9 +94,8 @@ def _change(
 
 def _count_irregular(quads: QuadMesh) -> int:
     """Number of vertices inside with other than four edges, and of those on the boundary with other than three."""
-    edges, counts = quads.edges
     wanted = np.where(quads.on_rim, 3, 4)
-    return int(np.count_nonzero(np.bincount(edges.ravel(), minlength=len(wanted)) != wanted))
+    return int(np.count_nonzero(np.bincount(quads.edges[0].ravel(), minlength=len(wanted)) != wanted))
 
 
 @dataclass(frozen=True)

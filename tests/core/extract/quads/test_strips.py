@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strips of quads are added to grids and tori and removed from them, where the numbers of faces that can be are known."""
+"""Strips of quads are added to grids and tori and removed from them, where the possible numbers of faces are known."""
 
 import numpy as np
 import pytest
