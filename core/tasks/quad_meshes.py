@@ -289,8 +289,9 @@ def _best_count(
             break
         settled = settle(draft)
         try:
-            settled = draft if settled.face_count < FEW and settled.traced_count > SPOILT * FEW else settled
-            results.append(complete(settled))
+            # Corrections that make many small faces of a few large ones are not used.
+            is_spoilt = settled.face_count < FEW and settled.traced_count > SPOILT * FEW
+            results.append(complete(draft if is_spoilt else settled))
         except TooLargeQuads:
             refused += [settled] if may_close_tunnels(settled) else []
         except SettingError:

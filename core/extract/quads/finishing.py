@@ -2,6 +2,7 @@
 """Finishes a traced quad mesh: puts it onto sharp edges, makes all faces quads if asked, and smooths it."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 from ...errors import SettingError
 from ...fields.constraints.rows import GRID, Row
 from ...geometry import TriangleMesh
-from .features.chains import Chains, carry_chains, follow_features
+from .features.chains import Chains, follow_features
 from .features.feature_lines import FeatureLines
 from .repair.all_quads import all_quads
 from .repair.bad_corners import mend_bad_corners
@@ -67,8 +68,8 @@ def finish_quads(
         keep = [] if chains is None else chains.edges(quads)
         followed, (quads, origins) = quads, all_quads(quads, mesh, keep, apart_vertices)
         if features is not None and chains is not None and quads is not followed:
-            carried = carry_chains(quads, chains, followed, origins)
-            quads, chains = carried or follow_features(quads, features)
+            carried = _carry(chains, followed, origins)
+            quads, chains = follow_features(quads, features) if carried is None else (quads, carried)
     if only_quads and (quads.sizes == 4).all():
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
@@ -89,6 +90,21 @@ def finish_quads(
     apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
     return part_vertices(quads, mesh, ~free[kept])
+
+
+def _carry(chains: Chains, quads: QuadMesh, origins: np.ndarray) -> Chains | None:
+    """The chains of a quad mesh on one whose vertices were its own or halve its edges.
+
+    None where a line is lost, which the other quad mesh may follow, or an edge between two corners may be halved.
+    ``origins`` : as of :func:`all_quads`
+    """
+    count, halves = len(quads.vertices), origins[:, 0] != origins[:, 1]
+    if len(chains.lost) or (origins >= count).any() or chains.fixed[origins[halves]].all(axis=1).any():
+        return None
+    lines, ends = chains.lines[origins].max(axis=1), np.sort(origins[halves], axis=1)
+    lines[halves] = np.where(np.isin(ends @ [count, 1], chains.edges(quads) @ [count, 1]), lines[halves], -1)
+    gaps = chains.features.lengths / (1 + np.bincount(lines[lines >= 0], minlength=len(chains.gaps)))
+    return replace(chains, lines=lines, fixed=chains.fixed[origins[:, 0]] & ~halves, gaps=gaps)
 
 
 def _strip_rules(

@@ -130,32 +130,6 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
     return quads, Chains(features, lines, fixed, followed, gaps)
 
 
-def carry_chains(
-    quads: QuadMesh, chains: Chains, before: QuadMesh, origins: np.ndarray
-) -> tuple[QuadMesh, Chains] | None:
-    """The quad mesh, whose vertices were those of another one or halve edges of it, on the lines of that one's chains,
-    and its chains.
-
-    None where a line is lost, which the new quad mesh may follow, or where lines of vertices are not clear. ``origins``
-    as of :func:`.all_quads.all_quads`.
-    """
-    count, halves = len(before.vertices), origins[:, 0] != origins[:, 1]
-    if len(chains.lost) or (origins >= count).any():
-        return None
-    ends = np.sort(origins[halves], axis=1)
-    lines = chains.lines[origins].max(axis=1)
-    lines[halves] = np.where(np.isin(ends @ [count, 1], chains.edges(before) @ [count, 1]), lines[halves], -1)
-    if chains.fixed[origins[halves]].all(axis=1).any():
-        return None
-    fixed = chains.fixed[origins[:, 0]] & ~halves
-    new = np.flatnonzero(halves & (lines >= 0))
-    if len(new):
-        ways, _ = chains.features.nearest(lines[new], quads.vertices[new])
-        quads = move_vertices(quads, new, *chains.features.at(lines[new], ways))
-    gaps = chains.features.lengths / (1 + np.bincount(lines[lines >= 0], minlength=len(chains.gaps)))
-    return quads, replace(chains, lines=lines, fixed=fixed, gaps=gaps)
-
-
 class _Passages:
     """(e, 2) edges or diagonals of a quad mesh with some number of vertices, found from their ends."""
 
