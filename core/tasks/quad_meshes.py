@@ -14,7 +14,7 @@ from ..extract.quads.finishing import TooLargeQuads, lost_lines
 from ..extract.quads.measure.faults import REMEDY, count_lost_handles, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
-from ..extract.quads.repair.strips import NEAR, REACH
+from ..extract.quads.repair.strips import NEAR
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.curl_removal import keep_factors
@@ -38,8 +38,9 @@ from .surface_result import SurfaceResult
 if TYPE_CHECKING:
     from .surfaces import SurfaceRequest
 
-# Largest relative error of the number of faces without a warning.
-FAR = 0.05
+# Largest relative error of the number of faces without a warning, and up to which strips of quads are changed before
+# another spacing is tried.
+FAR, REACH = 0.05, 0.1
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
 # Ratio of spacings, one with too many faces and one with too few, below which no others between them are tried.
