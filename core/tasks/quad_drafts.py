@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..extract.quads.repair.strips import NEAR, may_meet
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.patterns import untangle
@@ -69,6 +70,15 @@ class Draft:
         return max(1.0, float((sizes[sizes > 3] / 2 - 1).sum()) * self._images)
 
 
+def may_meet_count(draft: Draft) -> bool:
+    """Whether the finished mesh may have about as many faces as wanted, after changes of strips of its quads."""
+    wanted, count = draft.request.settings.faces, draft.finished_count
+    if not draft.request.has_only_quads or draft.request.closes_tunnels:
+        return abs(count / wanted - 1) <= NEAR
+    images = draft._images
+    return may_meet(draft.traced[0], (wanted - count) / images, wanted / images)
+
+
 def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> Draft:
     """The draft of the pattern along a field."""
     part = portion(progress, 0.0, _CLOSING if request.settings.loops else 1.0)
@@ -112,13 +122,13 @@ def with_tunnels_closed(draft: Draft) -> Draft:
 
 
 def complete(draft: Draft, progress: Callback | None = None) -> SurfaceResult:
-    """The result of a settled draft: with its loops closed, traced and smoothed."""
-    return finish(_close(draft, progress), progress)
+    """The result of a settled draft: with its loops closed, traced, near its wanted number of faces, and smoothed."""
+    return finish(_close(draft, progress), progress, draft.request.settings.faces)
 
 
-def finish(draft: Draft, progress: Callback | None = None) -> SurfaceResult:
-    """The result with its quads, and the settings with which they were made."""
+def finish(draft: Draft, progress: Callback | None = None, wanted: int = 0) -> SurfaceResult:
+    """The result with its quads, and the settings with which they were made; ``wanted`` as of :func:`finish_quads`."""
     Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
     settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
-    return replace(draft.result, **request.finish(*draft.traced), settled=settled)
+    return replace(draft.result, **request.finish(*draft.traced, wanted), settled=settled)

@@ -14,6 +14,7 @@ from ..extract.quads.finishing import TooLargeQuads, lost_lines
 from ..extract.quads.measure.faults import REMEDY, count_lost_handles, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
+from ..extract.quads.repair.strips import NEAR
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
 from ..fields.curl_removal import keep_factors
@@ -21,14 +22,25 @@ from ..fields.target_one_form import TargetOneForm
 from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
-from .quad_drafts import FEW, Draft, complete, draw, finish, may_close_tunnels, settle, with_tunnels_closed
+from .quad_drafts import (
+    FEW,
+    Draft,
+    complete,
+    draw,
+    finish,
+    may_close_tunnels,
+    may_meet_count,
+    settle,
+    with_tunnels_closed,
+)
 from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from .surfaces import SurfaceRequest
 
-# Largest relative errors of the number of faces without more tries, and without a warning.
-NEAR, FAR = 0.03, 0.05
+# Largest relative error of the number of faces without a warning, and up to which strips of quads are changed before
+# another spacing is tried.
+FAR, REACH = 0.05, 0.1
 # Spacings that are tried for a number of faces, and number after which one that is off by up to FAR is taken.
 TRIES, ENOUGH = 7, 3
 # Ratio of spacings, one with too many faces and one with too few, below which no others between them are tried.
@@ -214,6 +226,7 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
     drafts: list[Draft] = []
     refused: list[Draft] = []  # with quads that are too large for a mesh
     found: list[SurfaceResult] = []
+    reach = NEAR if request.settings.loops else REACH  # closing loops takes longer than another draft
     wanted = float(faces)  # of quads for which phases have room, as finished meshes may have more
     for number in range(TRIES):
         if number >= ENOUGH and min((draft.misses(wanted) for draft in drafts), default=np.inf) <= FAR:
@@ -231,10 +244,10 @@ def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress:
             if traced > SPOILT * FEW:
                 drafts.pop()
                 count = traced
-            elif draft.misses(wanted) <= NEAR or (traced and abs(draft.finished_count / faces - 1) <= NEAR):
+            elif draft.misses(wanted) <= reach or (traced and abs(draft.finished_count / faces - 1) <= reach):
                 draft = settle(drafts.pop())
                 expected = faces if request.settings.loops else draft.finished_count
-                if abs(expected / faces - 1) <= NEAR:
+                if request.settings.loops or may_meet_count(draft):
                     found.append(complete(draft, part))
                     if _misses(found[-1], faces) <= NEAR:
                         return found[-1]
@@ -277,8 +290,9 @@ def _best_count(
             break
         settled = settle(draft)
         try:
-            settled = draft if settled.face_count < FEW and settled.traced_count > SPOILT * FEW else settled
-            results.append(complete(settled))
+            # Corrections that make many small faces of a few large ones are not used.
+            is_spoilt = settled.face_count < FEW and settled.traced_count > SPOILT * FEW
+            results.append(complete(draft if is_spoilt else settled))
         except TooLargeQuads:
             refused += [settled] if may_close_tunnels(settled) else []
         except SettingError:

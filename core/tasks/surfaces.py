@@ -317,13 +317,17 @@ class SurfaceRequest:
             quads = sound_quads(quads, self.given.mesh if side is None else side.mesh, self.closes_tunnels)
         return quads, clock.seconds
 
-    def finish(self, quads: QuadMesh, seconds: dict[str, float]) -> _Finished:
-        """The finished mesh of a traced one, and the seconds of tracing and finishing."""
+    def finish(self, quads: QuadMesh, seconds: dict[str, float], wanted: float = 0) -> _Finished:
+        """The finished mesh of a traced one, and the seconds of tracing and finishing; ``wanted`` as of
+        :func:`finish_quads`."""
         clock, side = Clock(), self.mirror_side
         clock.add(seconds)
         with clock("extract"):
             rules = self.rows, self.settings.smoothing, self.has_only_quads, self.closes_tunnels
-            quads = finish_quads(quads, self.given.mesh, *rules) if side is None else side.finish(quads, *rules)
+            if side is None:
+                quads = finish_quads(quads, self.given.mesh, *rules, wanted=wanted)
+            else:
+                quads = side.finish(quads, *rules, wanted)
         return {"quads": quads, "seconds": clock.seconds}
 
     def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:

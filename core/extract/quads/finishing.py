@@ -2,6 +2,7 @@
 """Finishes a traced quad mesh: puts it onto sharp edges, makes all faces quads if asked, and smooths it."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from .repair.all_quads import all_quads
 from .repair.bad_corners import mend_bad_corners
 from .repair.narrow_tunnels import close_narrow_tunnels, find_flat_faces
 from .repair.quad_collapse import collapse_quads
+from .repair.strips import Rules, meet_count
 from .repair.tip_recovery import recover_tips
 from .smooth.fitting import fit_quads, keep_better, part_vertices
 from .smooth.worst_corners import move_worst_corners
@@ -22,6 +24,8 @@ from .trace.quad_mesh import QuadMesh
 
 # Neighbours move only to mend bad corners if the cosine between their normals is smaller: rims keep their shape.
 _SHARP = 0.5
+# Rounds of smoothing after a strip of quads was added or removed.
+_AFTER_STRIP = 5
 # Rings of vertices around a face that are smoothed with it.
 _AROUND = 3
 # A vertex of the quad mesh with a barycentric coordinate below this lies on the edge.
@@ -36,6 +40,7 @@ def finish_quads(
     only_quads: bool = False,
     closes_tunnels: bool = False,
     apart: Callable[[QuadMesh], np.ndarray] | None = None,
+    wanted: float = 0,
 ) -> QuadMesh:
     """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
 
@@ -50,6 +55,7 @@ def finish_quads(
     only_quads : whether all faces become quads
     closes_tunnels : whether handles of a closed surface may be lost
     apart : tells the (n,) bool vertices of a quad mesh that no new edge may join to one another
+    wanted : number of faces for which strips of quads are added or removed, as far as these exist; 0 for any number
 
     Errors as :func:`check_quads`.
     """
@@ -59,13 +65,18 @@ def finish_quads(
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        followed, quads = quads, all_quads(quads, mesh, [] if chains is None else chains.edges(quads), apart_vertices)
-        if features is not None and quads is not followed:
-            quads, chains = follow_features(quads, features)
+        keep = [] if chains is None else chains.edges(quads)
+        followed, (quads, origins) = quads, all_quads(quads, mesh, keep, apart_vertices)
+        if features is not None and chains is not None and quads is not followed:
+            carried = _carry(chains, followed, origins)
+            quads, chains = follow_features(quads, features) if carried is None else (quads, carried)
     if only_quads and (quads.sizes == 4).all():
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
         quads, kept = collapse_quads(quads, mesh, fixed, np.zeros_like(fixed) if chains is None else chains.fixed)
         chains = chains and chains.of_vertices(kept)
+        if wanted and not closes_tunnels:
+            rules = _strip_rules(mesh, rows, features, apart, min(rounds, _AFTER_STRIP))
+            quads, chains = meet_count(quads, mesh, chains, wanted, rules)
     if closes_tunnels:  # collapses may leave two faces that enclose no volume
         thick = ~find_flat_faces(quads)
         kept, quads = np.unique(quads.corner_vertices[thick[quads.corner_faces]]), quads.only(thick)
@@ -79,6 +90,44 @@ def finish_quads(
     apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
     return part_vertices(quads, mesh, ~free[kept])
+
+
+def _carry(chains: Chains, quads: QuadMesh, origins: np.ndarray) -> Chains | None:
+    """The chains of a quad mesh on one whose vertices were its own or halve its edges.
+
+    None where a line is lost, which the other quad mesh may follow, or an edge between two corners may be halved.
+    ``origins`` : as of :func:`all_quads`
+    """
+    count, halves = len(quads.vertices), origins[:, 0] != origins[:, 1]
+    if len(chains.lost) or (origins >= count).any() or chains.fixed[origins[halves]].all(axis=1).any():
+        return None
+    lines, ends = chains.lines[origins].max(axis=1), np.sort(origins[halves], axis=1)
+    lines[halves] = np.where(np.isin(ends @ [count, 1], chains.edges(quads) @ [count, 1]), lines[halves], -1)
+    gaps = chains.features.lengths / (1 + np.bincount(lines[lines >= 0], minlength=len(chains.gaps)))
+    return replace(chains, lines=lines, fixed=chains.fixed[origins[:, 0]] & ~halves, gaps=gaps)
+
+
+def _strip_rules(
+    mesh: TriangleMesh,
+    rows: Sequence[Row],
+    features: FeatureLines | None,
+    apart: Callable[[QuadMesh], np.ndarray] | None,
+    rounds: int,
+) -> Rules:
+    """How strips of a quad mesh may change; arguments as of :func:`finish_quads`."""
+
+    def follow(quads: QuadMesh) -> tuple[QuadMesh, Chains | None]:
+        return (quads, None) if features is None else follow_features(quads, features)
+
+    def smooth(quads: QuadMesh, chains: Chains | None) -> QuadMesh:
+        return keep_better(fit_quads(quads, mesh, _free(quads, mesh, rows, chains)[1], rounds, chains), quads)
+
+    def held(quads: QuadMesh) -> np.ndarray:
+        return _on_rows(quads, mesh, [row for row in rows if row.kind != GRID])
+
+    return Rules(
+        follow, smooth, held, lambda quads: np.zeros(len(quads.vertices), bool) if apart is None else apart(quads)
+    )
 
 
 def smooth_faces(

@@ -111,7 +111,13 @@ class MirrorSide:
         return replace(quads, corner_vertices=np.insert(quads.corner_vertices, at + 1, added), sizes=sizes)
 
     def finish(
-        self, quads: QuadMesh, rows: Sequence[Row], rounds: int, only_quads: bool, closes_tunnels: bool = False
+        self,
+        quads: QuadMesh,
+        rows: Sequence[Row],
+        rounds: int,
+        only_quads: bool,
+        closes_tunnels: bool = False,
+        wanted: float = 0,
     ) -> QuadMesh:
         """The quad mesh of the whole surface, of a traced one of the part; see :func:`finish_quads`."""
         own = [self._row(row) for row in rows]
@@ -119,7 +125,8 @@ class MirrorSide:
         def on_a_plane(quads: QuadMesh) -> np.ndarray:
             return self._vertices_on_planes(quads).any(axis=1)
 
-        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, closes_tunnels, on_a_plane)
+        wanted /= 2 ** len(self.units)
+        quads = finish_quads(quads, self.mesh, own, rounds, only_quads, closes_tunnels, on_a_plane, wanted)
         quads = _without_tips(quads, self._vertices_on_planes(quads))
         has_tips = (quads.sizes == 3).any()
         on_planes = self._vertices_on_planes(quads)

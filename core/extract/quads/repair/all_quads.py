@@ -117,13 +117,17 @@ def _half_edges(corners: Sequence[int]) -> Iterator[Edge]:
     return zip(corners, [*corners[1:], corners[0]], strict=True)
 
 
-def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: ArrayLike = ()) -> QuadMesh:
+def all_quads(
+    quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: ArrayLike = ()
+) -> tuple[QuadMesh, np.ndarray]:
     """The quad mesh on a surface with quads instead of other faces, as far as possible.
 
-    The (k, 2) edges to keep stay, whole or halved, and no new edge joins two of the vertices ``apart``.
+    The (k, 2) edges to keep stay, whole or halved, and no new edge joins two of the vertices ``apart``. Also returns
+    for each vertex the (n, 2) ends of the edge that it halves, or twice the given vertex that it is.
     """
+    origins = np.repeat(np.arange(len(quads.vertices))[:, None], 2, axis=1)
     if (quads.sizes == 4).all():
-        return quads
+        return quads, origins
     faces = Faces.of(quads, mesh.face_normals[quads.triangles], keep, apart)
     shortest = SHORTEST * quads.edge_lengths.mean()
     odd = sorted(number for number, corners in faces.corners.items() if len(corners) % 2)
@@ -135,8 +139,10 @@ def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = (), apart: 
         _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
     new = slice(len(quads.vertices), None)
-    ends = faces.vertices[np.array(faces.halved, int).reshape(-1, 2)]
-    return faces.put_on(with_vertices(quads, mesh, faces.vertices[new], faces.normals[new], ends))
+    halved = np.array(faces.halved, int).reshape(-1, 2)
+    result = faces.put_on(with_vertices(quads, mesh, faces.vertices[new], faces.normals[new], faces.vertices[halved]))
+    used = np.unique([corner for corners in faces.corners.values() for corner in corners])
+    return result, np.concatenate([origins, halved])[used]
 
 
 def with_vertices(
