@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import TooLargeQuads, lost_lines
-from ..extract.quads.measure.faults import REMEDY, count_lost_handles, quad_faults
+from ..extract.quads.measure.faults import REMEDY, WORST_ANGLE, count_lost_handles, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.trace.quad_mesh import QuadMesh
@@ -47,8 +47,6 @@ LOST, _AGAIN = 0.02, 0.1
 SHORT = 4.0
 # Mean of |angle - 90| over the corners, in degrees, beyond which crowded sharp edges are left out.
 BAD_ANGLE = 10.0
-# The same, beyond which sharp edges are ignored, and up to twice FAR more or fewer faces are accepted.
-WORST_ANGLE = 12.0
 # The same, up to which a mesh without narrow tunnels is preferred to one with another number of faces; beyond, only if
 # its corners are better than that one's.
 GOOD_ANGLE = 8.0
@@ -169,7 +167,10 @@ def _is_bad(result: SurfaceResult, faces: int) -> bool:
 
 
 def _is_better(result: SurfaceResult, other: SurfaceResult, faces: int) -> bool:
-    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer."""
+    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer.
+
+    Where corners are beyond :data:`WORST_ANGLE`, it may be twice as far from it.
+    """
     far = FAR if _mean_angle(other) <= WORST_ANGLE else 2 * FAR
     return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(far, _misses(other, faces))
 

@@ -255,6 +255,22 @@ def test_crowded_sharp_edges_are_left_out_where_a_bad_mesh_gets_better(monkeypat
 
 
 @pytest.mark.full_search
+def test_sharp_edges_are_ignored_where_corners_stay_bad(monkeypatch):
+    """The lines that this loses are in a warning, with the length of all lines."""
+    request = asked(chamfered_cube(cut=0.04, cells=8), faces=160, features=ANGLE / 2, smoothing=20)
+    first, (without, _) = request.solve(), quad_meshes._solve(request.without_sharp_edges(), None)
+    assert without.quads.euler_characteristic == 2
+    monkeypatch.setattr(quad_meshes, "BAD_ANGLE", -1.0)
+    monkeypatch.setattr(quad_meshes, "WORST_ANGLE", -1.0)
+    monkeypatch.setattr(quad_meshes, "_is_better", lambda *_: True)
+    result = request.solve()
+    before, after = quality(first.quads), quality(result.quads)
+    assert after == quality(without.quads) and after != before
+    told = [line for line in result.warnings if "sharp edges are lost as a whole or in part" in line]
+    assert len(told) == 1 and " of 22.1 in length" in told[0]
+
+
+@pytest.mark.full_search
 @pytest.mark.parametrize(
     "asked_for", [{"faces": 500}, pytest.param({"faces": 650}, marks=pytest.mark.slow), {"spacing": 0.95}]
 )
