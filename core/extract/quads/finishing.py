@@ -19,6 +19,7 @@ from .repair.quad_collapse import collapse_quads
 from .repair.strips import Rules, meet_count
 from .repair.tip_recovery import recover_tips
 from .smooth.fitting import fit_quads, keep_better, part_vertices
+from .smooth.mean_angles import lower_mean_angle
 from .smooth.worst_corners import move_worst_corners
 from .trace.quad_mesh import QuadMesh
 
@@ -89,7 +90,8 @@ def finish_quads(
     quads = move_worst_corners(recover_tips(quads, mesh, free, chains), mesh, free, chains)
     apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
-    return part_vertices(quads, mesh, ~free[kept])
+    free, chains = free[kept], chains and chains.of_vertices(kept)
+    return part_vertices(lower_mean_angle(quads, mesh, free, chains), mesh, ~free)
 
 
 def _carry(chains: Chains, quads: QuadMesh, origins: np.ndarray) -> Chains | None:

@@ -15,6 +15,8 @@ MOST_CORNERS = 8
 FARTHEST = 1.0
 # Largest share of faces with a corner turned over.
 FOLDED = 0.01
+# Largest mean of |angle - 90| over the corners, in degrees, where most faces are quads.
+WORST_ANGLE = 12.0
 # What to do about faults, in messages.
 REMEDY = "ask for more faces, or a smaller spacing"
 
@@ -35,6 +37,10 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
         (short, f"{short} of {len(lengths)} edges of the quad mesh have no length"),
         (large, f"{large} of {faces} faces have more than {MOST_CORNERS} corners"),
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
+        (
+            figures["angle_deviation"] > WORST_ANGLE and figures["quad_share"] > 0.5,
+            f"corners are {figures['angle_deviation']:.0f} degrees off right angles on average",
+        ),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
         (lost > 0, f"{lost} of {handles} tunnels or handles of the surface are narrower than the quads and left out"),
         (

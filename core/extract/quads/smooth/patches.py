@@ -15,11 +15,14 @@ from ....geometry.nearest import nearest_in_triangles
 from ....graphs import components
 from ....unit_vectors import cross
 from ..features.chains import Chains, move_vertices
+from ..measure.quality import STRAIGHT
 from ..trace.quad_mesh import QuadMesh
 from .fitting import project_vertices
 
 # Exponent of the norm of the corners' deviations, and weight of their root mean square that is added.
 POWER, SHARE = 8, 0.5
+# Deviation in radians below which the mean deviation is smooth.
+SMOOTH = np.radians(15)
 # Largest move of a vertex in a round in each direction, in mean edges of its patch.
 REACH = 0.4
 # The first step, as a part of the largest move.
@@ -29,6 +32,10 @@ LONG = 0.6
 # The face nearest to a point is looked for among this many faces with the nearest middles.
 CANDIDATES = 3
 _TINY = np.finfo(float).tiny
+# A patch may be farther from the surface than before by this share.
+FARTHER = 0.01
+# Values of patches for (n, 3) places of the vertices, their largest deviations, and the gradient of the values' sum.
+Norms = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 # Tells for (n, 3) places of the vertices and (p,) bool which of these patches are better, as a (p,) bool.
 Judge = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # (s, 3) points, (s,) their patches, (s, CANDIDATES) faces near them.
@@ -198,15 +205,16 @@ class Patches:
         labels = labels[near[:, 0]]
         return samples[labels >= 0], labels[labels >= 0], near[labels >= 0]
 
-    def descend(self, directions: np.ndarray, number: int) -> np.ndarray:
-        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower the norms: a number of steps of
-        Barzilai-Borwein descent."""
+    def descend(self, directions: np.ndarray, number: int, measure: Norms | None = None) -> np.ndarray:
+        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower :meth:`norms`, or another measure: a
+        number of steps of Barzilai-Borwein descent."""
+        measure = self.norms if measure is None else measure
         start, scales = self.quads.vertices, (REACH * self.sides)[self.of_moving, None]
 
         def at(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             vertices = start.copy()
             vertices[self.moving] += scales * np.einsum("kd,kdx->kx", shares, directions)
-            norms, _, gradient = self.norms(vertices)
+            norms, _, gradient = measure(vertices)
             return norms, scales * np.einsum("kx,kdx->kd", gradient[self.moving], directions)
 
         def sums(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -260,6 +268,38 @@ class Patches:
         slopes = (totals ** (1 / POWER - 1))[labels] * powers * np.sign(off) + SHARE * off / (means * numbers)[labels]
         gradient = self._sums_at_vertices @ (np.tile(slopes, 2)[:, None] * np.concatenate([to_before, to_after]))
         return worst * totals ** (1 / POWER) + SHARE * means, worst, gradient
+
+    def means(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As :meth:`norms`, with the mean deviations."""
+        off, to_before, to_after = self._deviations(vertices)
+        labels, count = self.labels, len(self.sides)
+        smooth, numbers = np.sqrt(off**2 + SMOOTH**2), np.bincount(labels, minlength=count)
+        worst = np.zeros(count)
+        np.maximum.at(worst, labels, np.abs(off))
+        slopes = off / smooth / numbers[labels]
+        gradient = self._sums_at_vertices @ (np.tile(slopes, 2)[:, None] * np.concatenate([to_before, to_after]))
+        return np.bincount(labels, smooth, minlength=count) / numbers, worst, gradient
+
+    def turned(self, vertices: np.ndarray) -> np.ndarray:
+        """(p,) number of corners beyond 180 degrees."""
+        off = self._deviations(vertices)[0]
+        return np.bincount(self.labels[np.abs(off) > np.pi / 2 + np.radians(STRAIGHT)], minlength=len(self.sides))
+
+    def shortest(self, vertices: np.ndarray) -> np.ndarray:
+        """(p,) length of the shortest edge."""
+        shortest = np.full(len(self.sides), np.inf)
+        lengths = np.linalg.norm(vertices[self.corners[:, 2]] - vertices[self.corners[:, 1]], axis=1)
+        np.minimum.at(shortest, self.labels, lengths)
+        return shortest
+
+    def stay_near(self, vertices: np.ndarray, wanted: np.ndarray, near: float) -> np.ndarray:
+        """(p,) bool: the wanted patches that stay as near to the surface, or nearer than a part of their mean edge."""
+        away = self.ground.distances(self, vertices, wanted, self.below, near)
+        far = wanted & (away > near * self.sides)
+        if not far.any():
+            return wanted
+        before = self.ground.distances(self, self.quads.vertices, far, self.below)
+        return wanted & (~far | (away <= (1 + FARTHER) * before))
 
     @cached_property
     def _sums_at_vertices(self) -> csr_matrix:

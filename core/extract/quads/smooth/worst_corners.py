@@ -26,8 +26,8 @@ PARTS = (1.0, 0.4)
 STEPS = 25
 # Smallest share by which a norm must fall.
 GAIN = 0.01
-# A patch may be farther from the surface than before by this share, or as far as this part of its mean edge.
-FARTHER, NEAR = 0.01, 0.08
+# A patch may get as far from the surface as this part of its mean edge.
+NEAR = 0.08
 # Directions of a line are measured between points this part of the line before and behind.
 _PIECE = 1e-3
 
@@ -55,7 +55,7 @@ def move_worst_corners(
         if len(moving) == 0:
             break
         patches = Patches.of(quads, ground, moving)
-        moves = patches.descend(_directions(quads, mesh, moving, lines, chains), steps)
+        moves = patches.descend(moving_directions(quads, mesh, moving, lines, chains), steps)
         quads, _ = patches.move_better(moves, PARTS, lines, chains, _judge(patches))
     return quads
 
@@ -74,22 +74,17 @@ def _moving(quads: QuadMesh, free: np.ndarray, rings: int) -> np.ndarray:
 
 def _judge(patches: Patches) -> Judge:
     """A function that tells which patches are better with moved vertices."""
-    ground, before, below = patches.ground, patches.quads.vertices, patches.below
-    norms, worst, _ = patches.norms(before)
+    norms, worst, _ = patches.norms(patches.quads.vertices)
 
     def are_better(vertices: np.ndarray, waiting: np.ndarray) -> np.ndarray:
         new_norms, new_worst, _ = patches.norms(vertices)
         better = waiting & (new_norms < (1 - GAIN) * norms) & (new_worst <= worst)
-        away = ground.distances(patches, vertices, better, below, NEAR)
-        far = better & (away > NEAR * patches.sides)
-        if far.any():
-            better &= ~far | (away <= (1 + FARTHER) * ground.distances(patches, before, far, below))
-        return better
+        return patches.stay_near(vertices, better, NEAR)
 
     return are_better
 
 
-def _directions(
+def moving_directions(
     quads: QuadMesh, mesh: TriangleMesh, moving: np.ndarray, lines: np.ndarray, chains: Chains | None
 ) -> np.ndarray:
     """(k, 2, 3) orthogonal unit directions in which vertices may move, 0 where there are fewer."""

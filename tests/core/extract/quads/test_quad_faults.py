@@ -41,6 +41,7 @@ def test_a_cube_has_no_faults():
         (moved(0, CUBE[1]), "1 of 12 edges of the quad mesh have no length"),
         (moved(0, (0.9, 0.9, 0)), "folded over"),
         (quads(faces=FACES[:5]), "the surface is closed and the quad mesh is not"),
+        (moved(0, (0.7, 0.7, 0)), "corners are 15 degrees off right angles on average"),
         (moved(0, (-3, -3, -3)), "the quad mesh is 5.2 away from the surface"),
     ],
 )

@@ -48,15 +48,16 @@ def middle_of(quads):
     return np.linalg.norm(quads.vertices[:, :2] - 0.5, axis=1).argmin()
 
 
-def test_gradient_is_the_slope_of_the_norms():
+@pytest.mark.parametrize("measure", [Patches.norms, Patches.means])
+def test_gradient_is_the_slope_of_the_norms(measure):
     random = np.random.default_rng(3)
     mesh, quads, inside = grid()
     quads = moved(quads, inside, 0.2 / CELLS * random.normal(size=(inside.sum(), 3)))
     patches = Patches.of(quads, Ground.of(mesh, quads), np.flatnonzero(inside)[:20])
     way = random.normal(size=quads.vertices.shape)
     step = 1e-6 / CELLS
-    ahead, behind = (patches.norms(quads.vertices + sign * step * way)[0].sum() for sign in (1, -1))
-    assert (way * patches.norms(quads.vertices)[2]).sum() == pytest.approx((ahead - behind) / (2 * step), rel=1e-5)
+    ahead, behind = (measure(patches, quads.vertices + sign * step * way)[0].sum() for sign in (1, -1))
+    assert (way * measure(patches, quads.vertices)[2]).sum() == pytest.approx((ahead - behind) / (2 * step), rel=1e-5)
 
 
 @pytest.mark.parametrize("far", [0.6, 0.8])
