@@ -13,11 +13,11 @@ from mathutils import Matrix, Vector
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
-from synch_fields.synch_addon.patterns.refine import expected_spacing
+from synch_fields.synch_addon.patterns.refine import expected_faces, expected_spacing
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
-from ..scenes import grid, sphere
+from ..scenes import add_object, grid, sphere
 
 
 @pytest.fixture(params=["SIMPLE", "ADVANCED"])
@@ -193,3 +193,38 @@ def test_a_count_of_lines_that_stays_as_it_is_shown_changes_nothing():
     assert stored.automatic_spacing and simple.lines == before
     simple.lines = round(before) + 1
     assert not stored.automatic_spacing and simple.lines == pytest.approx(round(before) + 1)
+
+
+def test_a_count_of_faces_begins_at_the_one_that_was_expected():
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    simple.kind = "quad_mesh"
+    expected = simple.faces
+    assert simple.faces_auto and stored.faces == 0 and expected == pytest.approx(expected_faces(obj, stored))
+    simple.faces = expected  # Enter in the field
+    assert simple.faces_auto and stored.faces == 0
+    simple.faces_auto = False
+    assert stored.faces == simple.faces == expected
+    simple.faces = expected + 1
+    assert stored.faces == expected + 1
+    simple.faces_auto = True
+    assert stored.faces == 0 and simple.faces == expected
+
+
+def test_in_edit_mode_automatic_turned_off_leaves_its_spacing_too():
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    lines = simple.lines
+    with bpy.context.temp_override(active_object=obj, object=obj):
+        bpy.ops.object.mode_set(mode="EDIT")
+        assert simple.lines == lines
+        simple.automatic_spacing = False
+        assert not stored.automatic_spacing and simple.lines == pytest.approx(lines)
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_without_a_surface_the_spacing_stays_automatic():
+    obj = add_object([], [])
+    assert obj.synch_simple.lines == 0
+    obj.synch_simple.automatic_spacing = False
+    assert obj.synch.automatic_spacing
