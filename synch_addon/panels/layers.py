@@ -37,7 +37,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         obj = solid_of(context.active_object)
-        if draw_unready(self.layout, obj):
+        if (obj == context.active_object or refusal(obj)) and draw_unready(self.layout, obj):
             return
         if obj != context.active_object:
             self.layout.label(text=translate("Layers of {name}", name=obj.name), icon="OBJECT_DATA")

@@ -133,6 +133,7 @@ def test_the_layers_show_the_settings_of_the_object_that_they_fill():
     report = api.layers(obj, spacing=0.3, size=0.14)
     make_active(made(report))
     assert "Layers of Block" in drawn()[0] and memory.holds_layers(obj)
+    assert not any("hidden" in label for label in drawn()[0])  # as it should be
     bpy.data.objects.remove(obj)
     assert not any(label.startswith("Layers of") for label in drawn()[0])
 

@@ -17,7 +17,7 @@ from synch_fields.synch_addon.patterns.refine import expected_faces, expected_sp
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
-from ..scenes import add_object, grid, sphere
+from ..scenes import add_object, grid, make_active, sphere
 
 
 @pytest.fixture(params=["SIMPLE", "ADVANCED"])
@@ -27,6 +27,12 @@ def chosen(request, monkeypatch):
     for module in (preferences, sidebar):
         monkeypatch.setattr(module, "preferences", lambda: held)
     return request.param
+
+
+def triangles_of(obj):
+    """Positions and triangles of a mesh."""
+    obj.data.calc_loop_triangles()
+    return [tuple(v.co) for v in obj.data.vertices], [tuple(t.vertices) for t in obj.data.loop_triangles]
 
 
 def panels():
@@ -167,6 +173,10 @@ def test_rings_around_an_axis_are_the_preset():
 def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
     obj = grid()
     assert drawn().count("mirror") == 2
+    triangulated = add_object(*triangles_of(obj))
+    make_active(triangulated)
+    assert drawn().count("mirror") == 0  # their diagonals differ on both sides
+    make_active(obj)
     obj.data.vertices[0].co += Vector((0.01, 0, 0.01))
     obj.data.update()
     bpy.context.view_layer.update()
