@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar tab "Synch" of the 3D View."""
 
+from textwrap import wrap
+
 import bpy
 
 from ...core.settings.solver import SolverSettings
@@ -28,6 +30,8 @@ from .row_operators import can_set, meshes_selected
 from .setting_presets import SYNCH_PT_presets
 from .setting_rows import draw_automatic, draw_setting, draw_settings, property_column, skip
 
+# Letters that fit into a line of the panel at its default width.
+_LINE = 30
 KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
 
 
@@ -150,6 +154,8 @@ def draw_main(layout, obj):
         column.row().prop(source.synch.guide, "axis", expand=True)
     if simple.direction == "STROKES" and not again:
         draw_strokes(column)
+    if simple.direction == "OTHER" and is_simple():
+        column.label(text="Guides: Advanced, Guide", icon="BLANK1")
     axes = {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
     if axes:
         draw_mirror(column, settings, sorted(axes))
@@ -189,8 +195,12 @@ def draw_unready(layout, obj):
         layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
         where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"
         layout.label(text=where, icon="FORCE_VORTEX")
+    elif obj is None:
+        layout.label(text="Select a mesh object", icon="INFO")
     elif reason:
-        layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
+        lines = wrap(reason[0].upper() + reason[1:], _LINE)
+        for number, line in enumerate(lines):
+            layout.label(text=line, icon="BLANK1" if number else "INFO", translate=False)
     elif not obj.visible_get():
         layout.label(text=translate("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason)

@@ -42,7 +42,7 @@ def _shown(name):
         lengths = expected_lengths(stored.id_data, **given_lengths(stored))
         return None if lengths is None else getattr(lengths, name)
 
-    make = partial(property_of, LayerSettings, name)
+    make = partial(property_of, LayerSettings, name, precision=3)  # the unit has to fit in
     return automatic_properties(f"shown_{name}", make, lambda stored: given_lengths(stored)[name], write, expected)
 
 

@@ -140,7 +140,7 @@ def test_the_layers_show_the_settings_of_the_object_that_they_fill():
 
 def test_the_panel_of_an_empty_scene_says_what_to_select():
     bpy.context.view_layer.objects.active = None
-    assert drawn()[0] == ["No active object: select a mesh object"]
+    assert drawn()[0] == ["Select a mesh object"]
     assert SynchLayering.bl_rna.properties["guide"].description
 
 

@@ -238,3 +238,15 @@ def test_without_a_surface_the_spacing_stays_automatic():
     assert obj.synch_simple.lines == 0
     obj.synch_simple.automatic_spacing = False
     assert obj.synch.automatic_spacing
+
+
+def test_why_an_object_carries_nothing_fits_into_the_panel():
+    light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
+    text = bpy.data.objects.new("Letters", bpy.data.curves.new("Letters", "FONT"))
+    for obj, ways in ((light, ["select a mesh object"]), (text, ["select a mesh object", "Object > Convert"])):
+        bpy.context.scene.collection.objects.link(obj)
+        layout = MagicMock()
+        assert sidebar.draw_unready(layout, obj)
+        lines = [call.kwargs["text"] for call in layout.label.call_args_list]
+        assert max(map(len, lines)) <= 30 and [way in " ".join(lines) for way in ways] == [True] * len(ways)
+        assert ("Convert" in " ".join(lines)) == (obj == text)
