@@ -35,7 +35,9 @@ def _varied_phases(pattern: Pattern | SolvedField, number: int) -> np.ndarray:
     if number < len(ready):
         return ready[number]
     if pattern.solution.lifted is None:
-        raise SettingError("only the semidefinite method finds variations: choose it and solve again")
+        raise SettingError(
+            "only the semidefinite method finds variations, in a solve that is not ended early: solve again"
+        )
     return solve(pattern.problem, Options(method=COARSE, seed=number)).phases
 
 

@@ -56,14 +56,15 @@ def are_divided_by_edges(mesh: TriangleMesh, units: np.ndarray) -> bool:
     return not (((low < 0) & (high > 0)) | ((low == 0) & (high == 0))).any()
 
 
-def symmetric_axes(points: np.ndarray, near: float) -> tuple[int, ...]:
-    """Find the axes in which (n, 3) points have mirror images within a distance, and do not all lie in the plane."""
+def symmetric_axes(points: np.ndarray, centers: np.ndarray, near: float) -> tuple[int, ...]:
+    """Find the axes in which (n, 3) vertices and (f, 3) centers of faces have mirror images within a distance, and the
+    vertices do not all lie in the plane."""
     low, high = points.min(axis=0), points.max(axis=0)
     axes = np.flatnonzero((np.abs(low + high) <= near) & (high - low > near))
-    if len(axes) == 0:
-        return ()
-    tree, mirrors = cKDTree(points), 1 - 2 * np.eye(3)
-    return tuple(int(axis) for axis in axes if (tree.query(points * mirrors[axis])[0] <= near).all())
+    for places in (points, centers):
+        tree = cKDTree(places) if len(axes) else None
+        axes = [axis for axis in axes if (tree.query(places * (1 - 2 * np.eye(3)[axis]))[0] <= near).all()]
+    return tuple(map(int, axes))
 
 
 def _mirrored_places(points: np.ndarray, axis: int, near: float) -> tuple[np.ndarray, np.ndarray]:

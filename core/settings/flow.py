@@ -24,6 +24,11 @@ _SHOWN = (
 )
 
 
+def automatic_core(show: str) -> float:
+    """Radius of the cores of curves in cells where none is given."""
+    return _CORE if show == "filaments" else _CORE_OF_TUBES
+
+
 @dataclass(frozen=True, kw_only=True)
 class FlowSettings(SolverSettings):
     """Settings of the vortices of a flow, besides those of the solver."""
@@ -147,4 +152,4 @@ class FlowSettings(SolverSettings):
     @property
     def core_cells(self) -> float:
         """Radius of the cores of curves in cells."""
-        return self.core or (_CORE if self.show == "filaments" else _CORE_OF_TUBES)
+        return self.core or automatic_core(self.show)

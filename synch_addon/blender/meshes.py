@@ -16,6 +16,9 @@ from .attributes import read_all, read_values
 from .objects import no_object, set_mode, world_of
 from .transaction import at_the_end, undone_by
 
+# Types of objects that Object > Convert makes meshes of.
+_CONVERTIBLE = {"CURVE", "FONT", "META", "SURFACE"}
+
 
 def refusal(obj):
     """Why an object cannot be given a field, in one line, or None."""
@@ -23,7 +26,8 @@ def refusal(obj):
     if reason:
         return reason
     if obj.type != "MESH":
-        return f"{obj.name} is not a mesh: select a mesh object, or convert it with Object > Convert"
+        others = ", or convert it with Object > Convert" if obj.type in _CONVERTIBLE else ""
+        return f"{obj.name} is not a mesh: select a mesh object{others}"
     for owner, kind in ((obj, "object"), (obj.data, "mesh")):
         if not owner.is_editable:
             return f"the {kind} {owner.name} is linked: make it local with Object > Relations > Make Local"

@@ -2,6 +2,7 @@
 """Settings of vortices as Blender properties: those of the solve belong to the scene, those of the look to objects."""
 
 import math
+from functools import partial
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
@@ -9,8 +10,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProper
 from ...core.errors import SynchError
 from ...core.extract.vortices.tubes import NORTH
 from ...core.files.json_text import read_kept_dict, read_kept_names
-from ...core.settings.flow import FlowSettings
+from ...core.settings.flow import FlowSettings, automatic_core
 from ..blender.registration import register_all
+from ..settings.automatic import automatic_properties
 from ..settings.rna import properties_of, property_of, settings_of
 from . import memory
 from .choice import slide
@@ -60,7 +62,16 @@ def plain(properties):
     return settings_of(FlowSettings, properties, FLOW_NAMES, **apart)
 
 
-class SynchVortices(VortexProperties, bpy.types.PropertyGroup):
+_Core = automatic_properties(
+    "shown_core",
+    partial(property_of, FlowSettings, "core"),
+    lambda stored: stored.core or None,
+    lambda stored, cells: setattr(stored, "core", cells or 0.0),
+    lambda stored: automatic_core(stored.show.lower()),
+)
+
+
+class SynchVortices(VortexProperties, _Core, bpy.types.PropertyGroup):
     """Settings of vortices, kept in the file."""
 
 

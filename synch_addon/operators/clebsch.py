@@ -13,6 +13,7 @@ from ..flows.job import job_for
 from ..flows.properties import VortexProperties, plain
 from ..jobs.queue import queue
 from ..jobs.report import count_text
+from ..panels.setting_rows import draw_setting
 from ..panels.vortices import draw_vortices
 from .field_operator import BackgroundOperator
 from .ready import PromptOperator
@@ -36,7 +37,7 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
         return reason is None
 
     def draw(self, context):
-        draw_vortices(self.layout, self)
+        draw_vortices(self.layout, self, lambda column: draw_setting(column, self, "core", "Auto"))
 
     def _take(self, context):
         for name in VortexProperties.__annotations__:

@@ -47,7 +47,7 @@ class _VaryingOperator(_SolvedOperator):
     def lacking(cls, obj):
         reason = super().lacking(obj)
         if reason is None and not memory.solve_of(obj).varies:
-            return "only the semidefinite method finds variations: choose it and solve again"
+            return "only the semidefinite method finds variations, in a solve that is not ended early: solve again"
         return reason
 
 

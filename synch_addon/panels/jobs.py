@@ -7,7 +7,7 @@ from ..blender.meshes import refusal
 from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.queue import queue
-from .progress import draw_work
+from .progress import draw_work, is_boxed
 from .sidebar import SidebarPanel, is_for
 
 # Jobs that are shown, the others by their number.
@@ -49,8 +49,9 @@ def _heard():
 
 
 def _others(obj):
-    """The jobs that the panel does not show in place of the button of an object."""
-    return [work for work in _heard() if refusal(obj) is not None or not is_for(work, obj)]
+    """The jobs that the panel does not show in place of a button."""
+    elsewhere = [work for work in _heard() if refusal(obj) is not None or not is_for(work, obj)]
+    return [work for work in elsewhere if work.obj is not None or not is_boxed(work)]
 
 
 register, unregister = register_all((SYNCH_PT_jobs,))

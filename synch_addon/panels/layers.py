@@ -4,32 +4,26 @@
 from functools import partial
 
 import bpy
-import numpy as np
 
-from ...core.errors import SettingError
-from ...core.geometry.filling.lengths import MOST_TETS, Lengths, Measures, estimate
+from ...core.geometry.filling.lengths import MOST_TETS, estimate
 from ...core.geometry.filling.thin_walls import MOST
 from ...core.settings.layers import LayerSettings
 from ...core.tasks.solid_memory import is_searched, layer_memory
 from ...core.tasks.solids import TET_SECONDS
-from ..blender.attributes import read_all
 from ..blender.meshes import refusal
 from ..blender.modifiers import input_property
 from ..blender.registration import register_all
 from ..blender.translations import OURS, translate
-from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
 from ..nodes.layers import opening_modifier
+from ..solids.expected import expected_lengths, measures_of
 from ..solids.links import solid_of
-from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
+from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES, given_lengths
 from .painting import draw_map
 from .progress import draw_begin, draw_estimate
 from .row_operators import RemoveRow, RowOperator
 from .setting_rows import draw_automatic, draw_settings, property_column
 from .sidebar import DetailsPanel, SidebarPanel, draw_unready
-
-# Measures of the mesh that was measured last, by what it was known by.
-_measured = LruCache(1)
 
 
 class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
@@ -43,7 +37,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         obj = solid_of(context.active_object)
-        if draw_unready(self.layout, obj):
+        if (obj == context.active_object or refusal(obj)) and draw_unready(self.layout, obj):
             return
         if obj != context.active_object:
             self.layout.label(text=translate("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
@@ -97,22 +91,16 @@ def draw_layers(layout, stored):
             line.prop(row, "offset", text="")
         line.operator("synch.layer_group_remove", text="", icon="X").number = number
     layout.operator("synch.layer_group_add", icon="ADD")
-    own = {name: partial(draw_automatic, settings=stored, name=name, automatic=LENGTHS[name]) for name in LENGTHS}
+    own = {name: partial(draw_automatic, settings=stored, name=f"shown_{name}") for name in LENGTHS}
     own["spacing_map"] = partial(draw_map, settings=stored, target="LAYERS")
     draw_settings(property_column(layout), stored, LayerSettings, "layers", own)
 
 
 def _draw_expected(layout, obj):
     """How large the solid will be and how long its layers take, before they are made."""
-    if obj.mode == "EDIT" or len(obj.data.polygons) == 0:
-        return
-    stored, measures = obj.synch_layering, _measures(obj)
-    if not measures.volume > 0:
-        return
-    given = (None if getattr(stored, LENGTHS[name]) else getattr(stored, name) for name in ("spacing", "size"))
-    try:
-        lengths = Lengths.of(measures, *given)
-    except SettingError:  # the operator says what is wrong
+    stored = obj.synch_layering
+    lengths, measures = expected_lengths(obj, **given_lengths(stored)), measures_of(obj)
+    if lengths is None:
         return
     tets = estimate(measures, lengths.size).tets
     searched = is_searched(stored.guide == "AXIS", not stored.spacing_map, len(stored.groups))
@@ -122,18 +110,6 @@ def _draw_expected(layout, obj):
         line = translate("Up to {tets:,} with thin walls", tets=min(round(MOST * tets), MOST_TETS))
         layout.label(text=line, icon="BLANK1")
     draw_estimate(layout, "Layers", TET_SECONDS * tets, size / 2**20)
-
-
-def _measures(obj):
-    """Volume, area and bounds of an object's mesh; measured again where its counts, its box or its scale change."""
-    mesh = obj.data
-    box = tuple(np.round(np.array(obj.bound_box).ravel(), 6))
-    key = (mesh.session_uid, len(mesh.vertices), len(mesh.polygons), box, tuple(obj.matrix_world.to_scale()))
-    if _measured.get(key) is None:
-        mesh.calc_loop_triangles()
-        points = read_all(mesh.vertices, "co", 3, np.float32).astype(float) * np.abs(key[-1])
-        _measured.put(key, Measures.of(points, read_all(mesh.loop_triangles, "vertices", 3)))
-    return _measured.get(key)
 
 
 class _GroupOperator:

@@ -3,6 +3,10 @@
 
 from ..blender.translations import translate
 from ..jobs.queue import Work, as_time, queue
+from ..settings.preferences import is_simple
+
+# Jobs whose progress is shown where their button is, in a box of the advanced panel.
+_BOXED = {"Animate", "Bake", "Layers", "Vortices"}
 
 
 def draw_work(bar, row, work):
@@ -14,6 +18,11 @@ def draw_work(bar, row, work):
     row.operator("synch.cancel", text=text, icon="X").place = queue.works.index(work)
 
 
+def is_boxed(work):
+    """Whether the box of a job's button shows its progress."""
+    return work.label in _BOXED and not is_simple()
+
+
 def draw_begin(layout, operator, label, icon, obj=None):
     """Draw the button of an operator, or the progress of its job while one of this label is queued for the object."""
     row = layout.row(align=True)
@@ -23,6 +32,8 @@ def draw_begin(layout, operator, label, icon, obj=None):
         row.operator(operator, icon=icon)
         return
     row.progress(factor=work.share, text=work.short_line)
+    if work.can_be_kept:
+        row.operator("synch.keep", text="", icon="CHECKMARK")
     row.operator("synch.cancel", text="", icon="X").place = queue.works.index(work)
 
 

@@ -53,11 +53,13 @@ def draw_setting(column, settings, name, zero="", text=None):
     row.label(text=zero)
 
 
-def draw_automatic(column, settings, name, automatic):
-    """A setting below the one that makes it automatic, which is shown where that is not chosen."""
-    column.prop(settings, automatic)
-    if not getattr(settings, automatic):
-        column.prop(settings, name)
+def draw_automatic(column, settings, name):
+    """The field of a number that may be automatic, and its button: see :mod:`..settings.automatic`; grey where the
+    number is not known."""
+    row = column.row(align=True)
+    row.enabled = getattr(settings, name) > 0
+    row.prop(settings, name)
+    row.prop(settings, f"{name}_auto", text="Auto", toggle=True)
 
 
 def skip(column):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar tab "Synch" of the 3D View."""
 
+from textwrap import wrap
+
 import bpy
 
 from ...core.settings.solver import SolverSettings
@@ -16,18 +18,20 @@ from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.other_settings import shows_other_settings
 from ..patterns.pin_costs import cost_line
-from ..patterns.refine import draw_told, draw_warning, expected_faces
+from ..patterns.refine import draw_told, draw_warning
 from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, RECORDS, original_of, source_of
 from ..settings.preferences import is_simple, preferences
 from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
 from .painting import draw_map, draw_painting
-from .progress import draw_work
+from .progress import draw_work, is_boxed
 from .row_operators import can_set, meshes_selected
 from .setting_presets import SYNCH_PT_presets
-from .setting_rows import draw_setting, draw_settings, property_column, skip
+from .setting_rows import draw_automatic, draw_setting, draw_settings, property_column, skip
 
+# Letters that fit into a line of the panel at its default width.
+_LINE = 30
 KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
 
 
@@ -117,13 +121,14 @@ def draw_main(layout, obj):
     """What is made, the button that makes it or how far it is, and what an artist sets first."""
     simple, settings, again = obj.synch_simple, obj.synch, source_of(obj) is not None
     source = original_of(obj)  # whose directions count
-    work = next((work for work in queue.works if not work.is_quiet and is_for(work, obj)), None)
+    work = next((work for work in queue.works if _is_on_top(work, obj)), None)
     column = layout.column(align=True)
     button, row = column.row(align=True), column.row(align=True)
     button.scale_y = 1.6
     if work is not None:
         draw_work(button, row, work)
     else:
+        column.enabled = not queue.holds(obj)
         name = "synch.quad_mesh_again" if again else f"synch.{simple.kind}"
         if shows_other_settings(obj, simple.kind) or (again and memory.is_outdated(obj)):
             text = translate("Update {what}", what=translate(KIND_LABELS[simple.kind]))
@@ -139,9 +144,7 @@ def draw_main(layout, obj):
     draw_warning(layout, obj)
     column = property_column(layout)
     if simple.kind == "quad_mesh":
-        count = None if settings.faces else expected_faces(source)
-        zero = RECORDS["faces"].zero if count is None else translate("≈ {count:,}", count=count)
-        draw_setting(column, settings, "faces", zero)
+        draw_automatic(column, simple, "faces")
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:
@@ -151,6 +154,8 @@ def draw_main(layout, obj):
         column.row().prop(source.synch.guide, "axis", expand=True)
     if simple.direction == "STROKES" and not again:
         draw_strokes(column)
+    if simple.direction == "OTHER" and is_simple():
+        column.label(text="Guides: Advanced, Guide", icon="BLANK1")
     axes = {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
     if axes:
         draw_mirror(column, settings, sorted(axes))
@@ -190,8 +195,12 @@ def draw_unready(layout, obj):
         layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
         where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"
         layout.label(text=where, icon="FORCE_VORTEX")
+    elif obj is None:
+        layout.label(text="Select a mesh object", icon="INFO")
     elif reason:
-        layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
+        lines = wrap(reason[0].upper() + reason[1:], _LINE)
+        for number, line in enumerate(lines):
+            layout.label(text=line, icon="BLANK1" if number else "INFO", translate=False)
     elif not obj.visible_get():
         layout.label(text=translate("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason)
@@ -200,6 +209,12 @@ def draw_unready(layout, obj):
 def is_for(work, obj):
     """Whether a job is of an object, or of the one that its quads or layers were made of."""
     return work.obj is not None and work.obj in (obj, original_of(obj), solid_of(obj))
+
+
+def _is_on_top(work, obj):
+    """Whether a job's progress stands in place of the first button of an object."""
+    in_box = is_boxed(work) and work.obj in (obj, solid_of(obj))
+    return is_for(work, obj) and not work.is_quiet and not in_box
 
 
 def draw_shape(layout, obj):

@@ -2,15 +2,19 @@
 """The few choices of the simple panel, each a name for values of the object's settings."""
 
 import math
+from functools import partial
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from ...core.refinement.spacing import lines_in_period
+from ...core.settings.surface import SurfaceSettings
 from ..blender.registration import register_all
 from ..jobs.kept_results import read_result_or_empty
-from ..patterns.refine import expected_spacing, mesh_detail
+from ..patterns.refine import expected_faces, expected_spacing, mesh_detail
+from ..settings.automatic import automatic_properties
 from ..settings.fields import AUTOMATIC_SPACING, original_of
+from ..settings.rna import property_of
 
 # Settings of each direction: guidance and angle.
 _DIRECTIONS = {
@@ -64,7 +68,7 @@ def _size(simple):
     It is measured on the mesh, so that modifiers and shape keys do not change it.
     """
     obj = original_of(simple.id_data)
-    found = mesh_detail(obj) if obj.type == "MESH" and obj.mode == "OBJECT" else None
+    found = mesh_detail(obj) if obj.type == "MESH" else None
     return (max(obj.dimensions) if found is None else found.size) * lines_in_period(simple.kind)
 
 
@@ -86,14 +90,27 @@ def _set_lines(simple, count):
 def _set_automatic(simple, is_automatic):
     """Off, the spacing stays what it was: the solved one where the estimate for the mesh of now is close to it."""
     obj = simple.id_data
-    told = None if is_automatic else expected_spacing(simple.kind, original_of(obj))
-    if told:
+    if is_automatic:
+        obj.synch.automatic_spacing = True
+        return
+    original_of(obj).update_from_editmode()
+    told = expected_spacing(simple.kind, original_of(obj))
+    if told:  # else there is no surface yet, and the spacing stays automatic
         solved = (read_result_or_empty(obj.synch.result).get("settings") or {}).get("spacing") or 0.0
         obj.synch.spacing = solved if math.isclose(solved, told, rel_tol=_ESTIMATE_ERROR) else told
-    obj.synch.automatic_spacing = is_automatic
+        obj.synch.automatic_spacing = False
 
 
-class SynchSimple(bpy.types.PropertyGroup):
+_Faces = automatic_properties(
+    "faces",
+    partial(property_of, SurfaceSettings, "faces"),
+    lambda simple: simple.id_data.synch.faces or None,
+    lambda simple, count: setattr(simple.id_data.synch, "faces", count or 0),
+    lambda simple: expected_faces(original_of(simple.id_data), simple.id_data.synch),
+)
+
+
+class SynchSimple(_Faces, bpy.types.PropertyGroup):
     """What the simple panel makes of an object."""
 
     kind: EnumProperty(name="Kind", description="What the button makes", items=_KIND_ITEMS)

@@ -2,6 +2,7 @@
 """The box "Vortices" of the sidebar tab: settings, an estimate, what was found, and the choice of a point."""
 
 import math
+from functools import partial
 
 import bpy
 
@@ -11,7 +12,7 @@ from ..flows import memory
 from ..flows.chosen import expected_solve
 from ..flows.files import can_export
 from .progress import draw_begin, draw_estimate
-from .setting_rows import draw_setting, property_column
+from .setting_rows import draw_automatic, property_column
 from .sidebar import DetailsPanel, SidebarPanel
 
 
@@ -25,7 +26,7 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         settings = context.scene.synch_vortices
-        draw_vortices(self.layout, settings)
+        draw_vortices(self.layout, settings, partial(draw_automatic, settings=settings, name="shown_core"))
         draw_expected(self.layout, context, settings)
         column = self.layout.column()
         column.scale_y = 1.3
@@ -62,14 +63,14 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
             self.layout.operator("synch.filament_export", icon="EXPORT")
 
 
-def draw_vortices(layout, settings):
-    """What is solved; ``settings`` are the scene's or an operator's."""
+def draw_vortices(layout, settings, draw_core):
+    """What is solved; ``settings`` are the scene's or an operator's, whose core a callable (column) draws."""
     column = property_column(layout)
     column.prop(settings, "filepath", placeholder="chosen objects")
     column.prop(settings, "show")
     column.prop(settings, "resolution")
     if not settings.filepath:
-        draw_setting(column, settings, "core", "Auto")
+        draw_core(column)
     column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])

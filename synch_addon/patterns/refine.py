@@ -78,7 +78,7 @@ def refine(obj: bpy.types.Object, levels: int | None = None) -> Json:
 
 
 def mesh_detail(obj):
-    """:class:`MeshDetail` of a mesh object in object mode, or None where it has no faces."""
+    """:class:`MeshDetail` of a mesh object, or None where it has no faces; in edit mode of the mesh before it."""
     data, settings = obj.data, obj.synch
     scale = tuple(tuple(row) for row in obj.matrix_world.to_3x3())
     counts = len(data.polygons), len(data.loops)
@@ -88,7 +88,7 @@ def mesh_detail(obj):
 
 def expected_spacing(command, obj):
     """Estimate the automatic spacing of a command on an object before it runs; None if that is not known."""
-    found = mesh_detail(obj) if obj.mode == "OBJECT" else None
+    found = mesh_detail(obj)
     if found is None:
         return None
     per_period = lines_in_period(command)
@@ -99,12 +99,13 @@ def expected_spacing(command, obj):
     return wished_spacing(found.area, per_period) if is_refined else told
 
 
-def expected_faces(obj):
-    """About how many faces a quad mesh gets from the lines that are set; None where that is not known."""
-    found = mesh_detail(obj) if obj.mode == "OBJECT" else None
+def expected_faces(obj, stored):
+    """About how many faces a quad mesh of an object gets from the spacing in some settings; None where that is not
+    known."""
+    found = mesh_detail(obj)
     if found is None:
         return None
-    spacing = expected_spacing("quad_mesh", obj) if obj.synch.automatic_spacing else obj.synch.spacing
+    spacing = expected_spacing("quad_mesh", obj) if stored.automatic_spacing else stored.spacing
     side = spacing / lines_in_period("quad_mesh")
     return round(found.area / side**2) if side > 0 else None
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes in which an object's mesh is its own mirror image, as far as its vertices say."""
+"""The axes in which an object's mesh is its own mirror image, as far as its vertices and the middles of faces say."""
 
 import numpy as np
 
@@ -28,4 +28,5 @@ def _axes(obj):
     if not np.isfinite(used).all():
         return ()
     lengths = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1)
-    return symmetric_axes(used, TOLERANCE * np.median(lengths))
+    centers = attributes.read_all(obj.data.polygons, "center", 3, np.float32).astype(float)
+    return symmetric_axes(used, centers, TOLERANCE * np.median(lengths))

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of layers as Blender properties: those that the panel stores and those of the operator."""
 
+from functools import partial
+
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, StringProperty
 
@@ -8,15 +10,40 @@ from ...core.settings.guidance import BOUNDARY
 from ...core.settings.layers import LAYER_GUIDES, LAYER_WISHES, Flush, LayerGuide, LayerSettings, text_of_groups
 from ...core.settings.setting import records
 from ..blender.registration import register_all
+from ..settings.automatic import automatic_properties
 from ..settings.guide_list import AXIS, VECTORS
-from ..settings.rna import identifier_of, properties_of
+from ..settings.rna import identifier_of, properties_of, property_of
 from ..settings.suggestions import suggest_curves, suggest_groups, suggest_solid_origins
+from .expected import expected_lengths
 
 # Settings that panel and operator have as properties.
 LAYER_NAMES = tuple(name for name, record in records(LayerSettings) if record.group)
 # Lengths that may be automatic, and the properties that say so.
 LENGTHS = {"spacing": "automatic_spacing", "size": "automatic_size"}
 LayerProperties = properties_of(LayerSettings, LAYER_NAMES)
+
+
+def given_lengths(stored):
+    """Spacing and size that are set, None for automatic ones."""
+    return {
+        name: None if getattr(stored, is_automatic) else getattr(stored, name) for name, is_automatic in LENGTHS.items()
+    }
+
+
+def _shown(name):
+    """The field of a length and its button, to mix into the settings."""
+
+    def write(stored, number):
+        setattr(stored, LENGTHS[name], number is None)
+        if number is not None:
+            setattr(stored, name, number)
+
+    def expected(stored):
+        lengths = expected_lengths(stored.id_data, **given_lengths(stored))
+        return None if lengths is None else getattr(lengths, name)
+
+    make = partial(property_of, LayerSettings, name, precision=3)  # the unit has to fit in
+    return automatic_properties(f"shown_{name}", make, lambda stored: given_lengths(stored)[name], write, expected)
 
 
 class SynchFlush(bpy.types.PropertyGroup):
@@ -39,7 +66,7 @@ class SynchFlush(bpy.types.PropertyGroup):
     )
 
 
-class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
+class SynchLayering(LayerProperties, _shown("spacing"), _shown("size"), bpy.types.PropertyGroup):
     """Settings of an object's layers, kept in the file; each kind of guide has names of its own."""
 
     guide: EnumProperty(

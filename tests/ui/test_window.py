@@ -170,6 +170,24 @@ def test_variation_slider_shows_other_patterns_without_a_solve(panel):
     assert number > 0
 
 
+def test_variations_that_are_not_ready_are_searched_for_beside_the_window(panel):
+    add_ball(panel, 4)
+    solved(panel)
+    ready = panel.value("len(part('patterns.memory').solve_of(active()).shown.solution.variations)")
+    panel.run("draw, queue = part('operators.variations').SYNCH_OT_draw_variation, part('jobs.queue').queue")
+    panel.run("begun, start = [], draw._start")
+    panel.run("draw._start = lambda self, context: (begun.append(self.number), start(self, context))[1]")
+    before = panel.value("active().synch_shown.variation")
+    panel.run(f"active().synch_shown.variation = {ready + 40}; active().synch_shown.variation = {ready + 50}")
+    assert panel.value("active().synch_shown.variation") == before  # at once, and the search has not begun
+    panel.until(f"queue.running is None and active().synch_shown.variation == {ready + 50}")
+    assert panel.value("begun") == [ready + 50]  # only where the slider came to rest
+    panel.run("draw._start = start")
+    panel.move((700, 500))
+    panel.press("Z", ctrl=True)
+    panel.until(f"active().synch_shown.variation == {before}")
+
+
 # Runs inside: a vertex of the mesh that carries the pattern, which the view shows to the right of its middle by about
 # x, and whether a dislocation is there.
 DEFECTS = """

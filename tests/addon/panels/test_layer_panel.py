@@ -133,13 +133,14 @@ def test_the_layers_show_the_settings_of_the_object_that_they_fill():
     report = api.layers(obj, spacing=0.3, size=0.14)
     make_active(made(report))
     assert "Layers of Block" in drawn()[0] and memory.holds_layers(obj)
+    assert not any("hidden" in label for label in drawn()[0])  # as it should be
     bpy.data.objects.remove(obj)
     assert not any(label.startswith("Layers of") for label in drawn()[0])
 
 
 def test_the_panel_of_an_empty_scene_says_what_to_select():
     bpy.context.view_layer.objects.active = None
-    assert drawn()[0] == ["No active object: select a mesh object"]
+    assert drawn()[0] == ["Select a mesh object"]
     assert SynchLayering.bl_rna.properties["guide"].description
 
 
@@ -153,3 +154,28 @@ def test_solid_view_shows_layers_in_the_colours_of_their_material():
     every = layer_colors(np.arange(41))[:, :3].sum(axis=1)  # every other one is darker than both beside it
     assert (every[1::2] < np.minimum(every[:-1:2], every[2::2])).all()
     assert overlay.layer_faces(obj) == []
+
+
+@pytest.mark.parametrize("name", LENGTHS)
+def test_a_length_that_is_no_longer_automatic_begins_at_the_one_that_is_used(name):
+    stored = block().synch_layering
+    shown, button = f"shown_{name}", f"shown_{name}_auto"
+    expected = getattr(stored, shown)
+    used = api.layers(bpy.context.object)["settings"][name]
+    assert getattr(stored, button) and expected == pytest.approx(used, rel=0.02)
+    setattr(stored, shown, expected)  # Enter in the field
+    assert getattr(stored, button)
+    setattr(stored, button, False)
+    assert not getattr(stored, LENGTHS[name]) and getattr(stored, name) == pytest.approx(expected)
+    setattr(stored, shown, 2 * expected)
+    assert getattr(stored, name) == pytest.approx(2 * expected)
+    setattr(stored, button, True)
+    assert getattr(stored, LENGTHS[name]) and getattr(stored, shown) == pytest.approx(expected)
+
+
+def test_lengths_of_what_encloses_nothing_are_not_known():
+    assert bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4) == {"FINISHED"}
+    stored = bpy.context.object.synch_layering
+    assert stored.shown_spacing == 0
+    stored.shown_spacing_auto = False
+    assert stored.automatic_spacing

@@ -13,11 +13,11 @@ from mathutils import Matrix, Vector
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
-from synch_fields.synch_addon.patterns.refine import expected_spacing
+from synch_fields.synch_addon.patterns.refine import expected_faces, expected_spacing
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
-from ..scenes import grid, sphere
+from ..scenes import add_object, grid, make_active, sphere
 
 
 @pytest.fixture(params=["SIMPLE", "ADVANCED"])
@@ -27,6 +27,12 @@ def chosen(request, monkeypatch):
     for module in (preferences, sidebar):
         monkeypatch.setattr(module, "preferences", lambda: held)
     return request.param
+
+
+def triangles_of(obj):
+    """Positions and triangles of a mesh."""
+    obj.data.calc_loop_triangles()
+    return [tuple(v.co) for v in obj.data.vertices], [tuple(t.vertices) for t in obj.data.loop_triangles]
 
 
 def panels():
@@ -167,6 +173,10 @@ def test_rings_around_an_axis_are_the_preset():
 def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
     obj = grid()
     assert drawn().count("mirror") == 2
+    triangulated = add_object(*triangles_of(obj))
+    make_active(triangulated)
+    assert drawn().count("mirror") == 0  # their diagonals differ on both sides
+    make_active(obj)
     obj.data.vertices[0].co += Vector((0.01, 0, 0.01))
     obj.data.update()
     bpy.context.view_layer.update()
@@ -193,3 +203,50 @@ def test_a_count_of_lines_that_stays_as_it_is_shown_changes_nothing():
     assert stored.automatic_spacing and simple.lines == before
     simple.lines = round(before) + 1
     assert not stored.automatic_spacing and simple.lines == pytest.approx(round(before) + 1)
+
+
+def test_a_count_of_faces_begins_at_the_one_that_was_expected():
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    simple.kind = "quad_mesh"
+    expected = simple.faces
+    assert simple.faces_auto and stored.faces == 0 and expected == pytest.approx(expected_faces(obj, stored))
+    simple.faces = expected  # Enter in the field
+    assert simple.faces_auto and stored.faces == 0
+    simple.faces_auto = False
+    assert stored.faces == simple.faces == expected
+    simple.faces = expected + 1
+    assert stored.faces == expected + 1
+    simple.faces_auto = True
+    assert stored.faces == 0 and simple.faces == expected
+
+
+def test_in_edit_mode_automatic_turned_off_leaves_its_spacing_too():
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    lines = simple.lines
+    with bpy.context.temp_override(active_object=obj, object=obj):
+        bpy.ops.object.mode_set(mode="EDIT")
+        assert simple.lines == lines
+        simple.automatic_spacing = False
+        assert not stored.automatic_spacing and simple.lines == pytest.approx(lines)
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_without_a_surface_the_spacing_stays_automatic():
+    obj = add_object([], [])
+    assert obj.synch_simple.lines == 0
+    obj.synch_simple.automatic_spacing = False
+    assert obj.synch.automatic_spacing
+
+
+def test_why_an_object_carries_nothing_fits_into_the_panel():
+    light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
+    text = bpy.data.objects.new("Letters", bpy.data.curves.new("Letters", "FONT"))
+    for obj, ways in ((light, ["select a mesh object"]), (text, ["select a mesh object", "Object > Convert"])):
+        bpy.context.scene.collection.objects.link(obj)
+        layout = MagicMock()
+        assert sidebar.draw_unready(layout, obj)
+        lines = [call.kwargs["text"] for call in layout.label.call_args_list]
+        assert max(map(len, lines)) <= 30 and [way in " ".join(lines) for way in ways] == [True] * len(ways)
+        assert ("Convert" in " ".join(lines)) == (obj == text)

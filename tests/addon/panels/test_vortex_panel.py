@@ -105,14 +105,14 @@ def test_a_file_that_is_none_has_no_estimate(tmp_path):
 
 def test_settings_are_shown_where_they_count():
     settings = bpy.context.scene.synch_vortices
-    assert {"share", "smoothing", "core", "attribute"} <= set(drawn(SYNCH_PT_vortices)[1])
+    assert {"share", "smoothing", "shown_core", "attribute"} <= set(drawn(SYNCH_PT_vortices)[1])
     settings.by = "COUNT"
     assert {"count", "share"} & set(drawn(SYNCH_PT_vortices)[1]) == {"count"}
     settings.by, settings.show, settings.use_frames = "CIRCULATION", "TUBES", True
     settings.filepath = "smoke_####.vdb"
     shown = set(drawn(SYNCH_PT_vortices)[1])
     assert {"quantum", "opening", "frame_start", "frame_end"} <= shown
-    assert not {"count", "core"} & shown
+    assert not {"count", "shown_core"} & shown
 
 
 def test_the_result_has_figures_and_the_choice(tmp_path):

@@ -20,6 +20,8 @@ from synch_fields.core.solve import Options
 from ..direction_wishes import boundary_row
 from ..meshes import grid_quads, split_quads, square_points, torus_points
 
+NO_FACES = np.empty((0, 3))
+
 
 def polygons_of(quads):
     """Quads as faces, drawn by triangles along alternating diagonals."""
@@ -203,8 +205,15 @@ def test_faces_that_are_not_mirrored_are_named():
 
 def test_axes_of_points_are_those_in_which_each_has_an_image():
     points = torus_points(1.0, 0.4, 24, 12)
-    assert symmetric_axes(points, 1e-6) == (0, 1, 2)
-    assert symmetric_axes(points + [0.1, 0, 0], 1e-6) == (1, 2)
-    assert symmetric_axes(np.delete(points, 17, axis=0), 1e-6) == ()
+    assert symmetric_axes(points, NO_FACES, 1e-6) == (0, 1, 2)
+    assert symmetric_axes(points + [0.1, 0, 0], NO_FACES, 1e-6) == (1, 2)
+    assert symmetric_axes(np.delete(points, 17, axis=0), NO_FACES, 1e-6) == ()
     bent = points + 0.1 * points[:, :1] ** 2 * [0, 1, 0]
-    assert symmetric_axes(bent, 1e-6) == (0, 2) and symmetric_axes(bent, 0.5) == (0, 1, 2)
+    assert symmetric_axes(bent, NO_FACES, 1e-6) == (0, 2) and symmetric_axes(bent, NO_FACES, 0.5) == (0, 1, 2)
+
+
+def test_axes_of_a_square_whose_diagonal_has_no_mirror_image():
+    square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
+    halves = square[[[0, 1, 2], [0, 2, 3]]].mean(axis=1)
+    assert symmetric_axes(square, square[None].mean(axis=1), 1e-6) == (0, 1)
+    assert symmetric_axes(square, halves, 1e-6) == ()
