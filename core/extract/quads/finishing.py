@@ -65,7 +65,7 @@ def finish_quads(
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        keep = [] if chains is None else chains.edges(quads)
+        keep = np.empty((0, 2), int) if chains is None else chains.edges(quads)
         followed, (quads, origins) = quads, all_quads(quads, mesh, keep, apart_vertices)
         if features is not None and chains is not None and quads is not followed:
             carried = _carry(chains, followed, origins, is_final=rounds > 0)
