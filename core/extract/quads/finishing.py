@@ -66,10 +66,10 @@ def finish_quads(
     if features is not None:
         quads, chains = follow_features(quads, features, cut=only_quads)
     if only_quads:
-        keep = [] if chains is None else chains.edges(quads)
+        keep = np.empty((0, 2), int) if chains is None else chains.edges(quads)
         followed, (quads, origins) = quads, all_quads(quads, mesh, keep, apart_vertices)
         if features is not None and chains is not None and quads is not followed:
-            carried = _carry(chains, followed, origins)
+            carried = _carry(chains, followed, origins, is_final=rounds > 0)
             quads, chains = follow_features(quads, features) if carried is None else (quads, carried)
     if only_quads and (quads.sizes == 4).all():
         fixed = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
@@ -94,14 +94,16 @@ def finish_quads(
     return part_vertices(lower_mean_angle(quads, mesh, free, chains), mesh, ~free)
 
 
-def _carry(chains: Chains, quads: QuadMesh, origins: np.ndarray) -> Chains | None:
+def _carry(chains: Chains, quads: QuadMesh, origins: np.ndarray, is_final: bool) -> Chains | None:
     """The chains of a quad mesh on one whose vertices were its own or halve its edges.
 
-    None where a line is lost, which the other quad mesh may follow, or an edge between two corners may be halved.
+    None for a final mesh where a line is lost, which it may follow now, or an edge between two corners may be halved.
     ``origins`` : as of :func:`all_quads`
     """
     count, halves = len(quads.vertices), origins[:, 0] != origins[:, 1]
-    if len(chains.lost) or (origins >= count).any() or chains.fixed[origins[halves]].all(axis=1).any():
+    if (origins >= count).any():
+        return None
+    if is_final and (len(chains.lost) or chains.fixed[origins[halves]].all(axis=1).any()):
         return None
     lines, ends = chains.lines[origins].max(axis=1), np.sort(origins[halves], axis=1)
     lines[halves] = np.where(np.isin(ends @ [count, 1], chains.edges(quads) @ [count, 1]), lines[halves], -1)

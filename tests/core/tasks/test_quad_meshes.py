@@ -49,6 +49,19 @@ def test_a_number_of_faces_is_met(build, faces):
     assert result.settled["spacing"] != 0.4
 
 
+@pytest.mark.parametrize("faces", [196, 235])
+def test_between_sharp_edges_a_number_of_faces_is_met_by_strips(faces):
+    """Grids of squares on a cube have 6 n^2 quads, 216 of 6 along an edge; a loop around it has 24 more or fewer."""
+    mesh = cube(12)
+    result = asked(mesh, faces=faces, features=ANGLE / 2, smoothing=20).solve()
+    quads = result.quads
+    assert len(quads.sizes) == (192 if faces < 216 else 240) and not result.warnings
+    assert (quads.sizes == 4).all() and quads.euler_characteristic == 2 and (quads.edges[1] == 2).all()
+    # Three right angles at each corner, and four everywhere else.
+    assert sorted(np.bincount(quads.edges[0].ravel()).tolist())[:9] == [3] * 8 + [4]
+    assert quality(quads)["angle_deviation"] < 2 and quads.edge_lengths.min() > 0.3 * quads.edge_lengths.mean()
+
+
 def test_the_directions_are_solved_once(monkeypatch):
     calls = []
 
@@ -155,7 +168,7 @@ def test_faces_that_are_no_quads_are_told_where_none_were_asked_for(monkeypatch)
         a, b, c, d = faces.pop(number)
         faces += [[a, b, c], [a, c, d]]
         sizes = np.array([len(face) for face in faces])
-        return replace(quads, corner_vertices=np.concatenate(faces), sizes=sizes)
+        return replace(quads, corner_vertices=np.concatenate(faces), sizes=sizes), np.empty((0, 2), int)
 
     monkeypatch.setattr(quad_smoothing, "all_quads", with_triangles)
     result = asked(mesh).solve()

@@ -21,7 +21,7 @@ from .all_quads import with_vertices
 from .reconnections import FEWEST, FEWEST_ON_RIM
 
 # Largest relative error of the number of faces that is left as it is, and largest for which strips are changed.
-NEAR, REACH = 0.03, 0.15
+NEAR, REACH = 0.03, 0.3
 # Most changes of strips, and strips that are tried for each.
 CHANGES, TRIALS = 4, 3
 
