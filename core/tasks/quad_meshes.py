@@ -120,8 +120,8 @@ def _solve_again(
     """The best of a mesh and of others, the lines it loses, and faults.
 
     Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
-    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less.
-    If corners stay beyond :data:`WORST_ANGLE`, sharp edges are ignored.
+    out if that helps, and all sharp edges where corners stay beyond :data:`WORST_ANGLE`. Else directions that all
+    curvature turns, as small steps need them, are used if that loses less.
     """
     faces, faults = request.settings.faces, tuple[str, ...]()
     if _is_bad(found, faces):
@@ -134,14 +134,13 @@ def _solve_again(
                 f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
                 f"{whole:.3g} in length: {REMEDY}",
             )
+    if _mean_angle(found) > WORST_ANGLE:
+        again = _try_better(request, request.without_sharp_edges(), found, progress)
+        return (found, lost, faults) if again is None else (*again, ())
     if not faults and lost.share > LOST and request.detail > 0:
         again = _try(replace(request, detail=0.0), progress)
         if again is not None and again[1].share < lost.share and _keeps_handles(request, again[0], found):
             found, lost = again
-    if _mean_angle(found) > WORST_ANGLE:
-        again = _try_better(request, request.without_sharp_edges(), found, progress)
-        if again is not None:
-            return *again, ()
     return found, lost, faults
 
 

@@ -15,8 +15,8 @@ MOST_CORNERS = 8
 FARTHEST = 1.0
 # Largest share of faces with a corner turned over.
 FOLDED = 0.01
-# Largest mean of |angle - 90| over the corners, in degrees, where most faces are quads.
-WORST_ANGLE = 12.0
+# Largest mean of |angle - 90| over the corners, in degrees, of meshes with at least so many faces, most of them quads.
+WORST_ANGLE, FEWEST_FACES = 12.0, 100
 # What to do about faults, in messages.
 REMEDY = "ask for more faces, or a smaller spacing"
 
@@ -38,7 +38,7 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
         (large, f"{large} of {faces} faces have more than {MOST_CORNERS} corners"),
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
         (
-            figures["angle_deviation"] > WORST_ANGLE and figures["quad_share"] > 0.5,
+            figures["angle_deviation"] > WORST_ANGLE and figures["quad_share"] > 0.5 and faces >= FEWEST_FACES,
             f"corners are {figures['angle_deviation']:.0f} degrees off right angles on average",
         ),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
