@@ -60,11 +60,11 @@ def symmetric_axes(points: np.ndarray, centers: np.ndarray, near: float) -> tupl
     """Find the axes in which (n, 3) vertices and (f, 3) centers of faces have mirror images within a distance, and the
     vertices do not all lie in the plane."""
     low, high = points.min(axis=0), points.max(axis=0)
-    axes = np.flatnonzero((np.abs(low + high) <= near) & (high - low > near))
-    for places in (points, centers):
-        tree = cKDTree(places) if len(axes) else None
+    axes = np.flatnonzero((np.abs(low + high) <= near) & (high - low > near)).tolist()
+    for places in (points, centers) if axes else ():
+        tree = cKDTree(places)
         axes = [axis for axis in axes if (tree.query(places * (1 - 2 * np.eye(3)[axis]))[0] <= near).all()]
-    return tuple(map(int, axes))
+    return tuple(axes)
 
 
 def _mirrored_places(points: np.ndarray, axis: int, near: float) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ import math
 import bpy
 
 from ..blender.translations import translate
+from ..patterns.refine import as_length
 from ..settings.painting import MAPS, painted_map
 
 
@@ -46,13 +47,11 @@ def draw_painting(layout, context):
 
 
 def _painted_line(context, settings, target):
-    """What the brush paints, in units, such as "0.50 × spacing = 5 cm"."""
+    """What the brush paints, in units, such as "0.50 × spacing = 0.05 m"."""
     brush = context.window_manager.synch_brush
     if target == "ANGLE":
         return translate("Paints a turn by {angle:.0f}°", angle=math.degrees(brush.angle))
     line = translate("Paints {factor:.2f} × spacing", factor=brush.factor)
     if settings.automatic_spacing:
         return line
-    units = context.scene.unit_settings
-    length = bpy.utils.units.to_string(units.system, "LENGTH", brush.factor * settings.spacing, precision=3)
-    return f"{line} = {length}"
+    return f"{line} = {as_length(brush.factor * settings.spacing)}"

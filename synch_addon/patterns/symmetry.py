@@ -15,8 +15,11 @@ _kept = LruCache(4)
 
 
 def mirror_axes(obj):
-    """The axes, 0, 1 or 2, of an object in object mode, kept until its mesh changes; none of a very large mesh."""
-    if obj.mode != "OBJECT" or not 0 < len(obj.data.vertices) <= MOST_VERTICES or len(obj.data.edges) == 0:
+    """The axes, 0, 1 or 2, of an object, kept until its mesh changes and while it is edited; none of a very large
+    mesh."""
+    if obj.mode != "OBJECT":
+        return (_kept.get(obj.session_uid) or (None, ()))[1]
+    if not 0 < len(obj.data.vertices) <= MOST_VERTICES or len(obj.data.edges) == 0:
         return ()
     return _kept.renewed(obj.session_uid, changes.state(obj.data), lambda: _axes(obj))
 

@@ -159,7 +159,7 @@ def test_a_map_is_painted_and_solved(ball, keep):
     ball.until("bpy.context.mode == 'PAINT_WEIGHT'")
     ball.run("active().synch.spacing_range = 0.5; bpy.context.window_manager.synch_brush.factor = 0.5")
     ball.scroll_to("Done Painting", up=True)
-    ball.wait_for(ball.says("Paints {factor:.2f} × spacing", factor=0.5) + " = 20 cm")
+    ball.wait_for(ball.says("Paints {factor:.2f} × spacing", factor=0.5) + " = 0.2 m")
     ball.drag(line(ball, (-0.5, 0), (0.5, 0.1)))
     ball.drag(line(ball, (-0.5, 0.2), (0.5, 0.3)))
     keep("painting", ball.picture())

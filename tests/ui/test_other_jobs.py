@@ -54,6 +54,18 @@ def test_a_job_runs_from_its_panel_and_is_undone(name, panel, keep):
     panel.until(f"not ({made})")
 
 
+def test_an_automatic_length_of_layers_stays_what_it_was(panel, keep):
+    panel.run(CUBE)
+    panel.scroll_to("Layers")
+    panel.click("Layers", last=True)
+    panel.scroll_to("Resolution")
+    expected = panel.value("active().synch_layering.shown_size")
+    panel.click("Auto", last=True)
+    panel.until("not active().synch_layering.automatic_size")
+    assert panel.value("active().synch_layering.size") == pytest.approx(expected)
+    keep("layers_automatic_off", panel.picture("UI"))
+
+
 def filament_pixels(picture):
     """How many pixels have the orange of filaments that are drawn before the end of their solve."""
     red, green, blue = (picture[..., channel].astype(int) for channel in range(3))

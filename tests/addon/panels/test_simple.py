@@ -14,6 +14,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
 from synch_fields.synch_addon.patterns.refine import expected_faces, expected_spacing
+from synch_fields.synch_addon.patterns.symmetry import mirror_axes
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
@@ -224,10 +225,10 @@ def test_a_count_of_faces_begins_at_the_one_that_was_expected():
 def test_in_edit_mode_automatic_turned_off_leaves_its_spacing_too():
     obj = sphere()
     simple, stored = obj.synch_simple, obj.synch
-    lines = simple.lines
+    lines, mirrors = simple.lines, mirror_axes(obj)
     with bpy.context.temp_override(active_object=obj, object=obj):
         bpy.ops.object.mode_set(mode="EDIT")
-        assert simple.lines == lines
+        assert simple.lines == lines and mirror_axes(obj) == mirrors
         simple.automatic_spacing = False
         assert not stored.automatic_spacing and simple.lines == pytest.approx(lines)
         bpy.ops.object.mode_set(mode="OBJECT")
