@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stripes and quad meshes of any files: what becomes of each, and what is wrong with it.
 
-    python bench/any_file.py FOLDER [--faces 1500] [--limit 300] [--rows FILE]
+    python bench/any_file.py FOLDER [--faces 1500] [--limit 600] [--rows FILE]
 
 One row a file that Blender's importers read, in a process of its own, of its object with the most faces. "given": its
 vertices; "joined" and "vertices": those that were joined, and those of the surface that the quad mesh was solved on.
@@ -53,7 +53,7 @@ def main():
     """Make the rows that are missing, and print the table and the summary."""
     parser = arguments(__doc__, "the files")
     parser.add_argument("--faces", type=int, default=1500, help="of each quad mesh (%(default)s)")
-    parser.add_argument("--limit", type=int, default=300, help="CPU seconds for a file (%(default)s)")
+    parser.add_argument("--limit", type=int, default=600, help="CPU seconds for a file (%(default)s)")
     parser.add_argument("--rows", type=Path, help="file of JSON lines for the rows, which are read from it first")
     options = parser.parse_args()
     rows = KeptRows(options.rows, "label")

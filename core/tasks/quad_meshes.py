@@ -134,8 +134,9 @@ def _solve_again(
                 f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
                 f"{whole:.3g} in length: {REMEDY}",
             )
-    if _mean_angle(found) > WORST_ANGLE:
-        again = _try_better(request, request.without_sharp_edges(), found, progress)
+    smooth = request.without_sharp_edges()
+    if _mean_angle(found) > WORST_ANGLE and _count_links(smooth) < _count_links(request):
+        again = _try_better(request, smooth, found, progress)
         return (found, lost, faults) if again is None else (*again, ())
     if not faults and lost.share > LOST and request.detail > 0:
         again = _try(replace(request, detail=0.0), progress)
