@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import TooLargeQuads, lost_lines
-from ..extract.quads.measure.faults import REMEDY, WORST_ANGLE, count_lost_handles, quad_faults
+from ..extract.quads.measure.faults import REMEDY, count_lost_handles, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.repair.strips import NEAR
@@ -111,7 +111,7 @@ def _solve(request: "SurfaceRequest", progress: Callback | None) -> tuple[Surfac
     mesh = request.given.mesh
     planes = () if request.mirror_side is None else plane_edges(mesh, request.mirror_planes)
     side = (found.settled["spacing"] or request.spacing) / 2
-    return found, _LostLines(*lost_lines(found.quads, mesh, request.lines or request.rows, planes), side)
+    return found, _LostLines(*lost_lines(found.quads, mesh, request.rows, planes), side)
 
 
 def _solve_again(
@@ -120,38 +120,22 @@ def _solve_again(
     """The best of a mesh and of others, the lines it loses, and faults.
 
     Where corners are far from right angles, or the number of faces from the wanted one, crowded sharp edges are left
-    out if that helps, and all sharp edges where corners stay beyond :data:`WORST_ANGLE`. Else directions that all
-    curvature turns, as small steps need them, are used if that loses less.
+    out if that helps. Else directions that all curvature turns, as small steps need them, are used if that loses less.
     """
-    faces, faults = request.settings.faces, tuple[str, ...]()
+    faces = request.settings.faces
     if _is_bad(found, faces):
         uncrowded = request.uncrowded(found.settled["spacing"] or request.spacing)
-        again = _try_better(request, uncrowded, found, progress)
-        if again is not None:
+        again = _try(uncrowded, progress) if _count_links(uncrowded) < _count_links(request) else None
+        if again is not None and _is_better(again[0], found, faces) and _keeps_handles(request, again[0], found):
             whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
-            found, lost = again
-            faults = (
+            return *again, (
                 f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
                 f"{whole:.3g} in length: {REMEDY}",
             )
-    smooth = request.without_sharp_edges()
-    if _mean_angle(found) > WORST_ANGLE and _count_links(smooth) < _count_links(request):
-        again = _try_better(request, smooth, found, progress)
-        return (found, lost, faults) if again is None else (*again, ())
-    if not faults and lost.share > LOST and request.detail > 0:
-        again = _try(replace(request, detail=0.0), progress)
-        if again is not None and again[1].share < lost.share and _keeps_handles(request, again[0], found):
-            found, lost = again
-    return found, lost, faults
-
-
-def _try_better(
-    request: "SurfaceRequest", other: "SurfaceRequest", found: SurfaceResult, progress: Callback | None
-) -> tuple[SurfaceResult, _LostLines] | None:
-    """The solve of another request with fewer constraints, and the lines it loses; None unless it is better."""
-    again = _try(other, progress) if _count_links(other) < _count_links(request) else None
-    is_better = again is not None and _is_better(again[0], found, request.settings.faces)
-    return again if again is not None and is_better and _keeps_handles(request, again[0], found) else None
+    again = _try(replace(request, detail=0.0), progress) if lost.share > LOST and request.detail > 0 else None
+    if again is not None and again[1].share < lost.share and _keeps_handles(request, again[0], found):
+        found, lost = again
+    return found, lost, ()
 
 
 def _keeps_handles(request: "SurfaceRequest", result: SurfaceResult, other: SurfaceResult) -> bool:
@@ -179,12 +163,8 @@ def _is_bad(result: SurfaceResult, faces: int) -> bool:
 
 
 def _is_better(result: SurfaceResult, other: SurfaceResult, faces: int) -> bool:
-    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer.
-
-    Where corners are beyond :data:`WORST_ANGLE`, it may be twice as far from it.
-    """
-    far = FAR if _mean_angle(other) <= WORST_ANGLE else 2 * FAR
-    return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(far, _misses(other, faces))
+    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer."""
+    return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(FAR, _misses(other, faces))
 
 
 def _mean_angle(result: SurfaceResult) -> float:

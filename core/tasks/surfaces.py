@@ -89,7 +89,6 @@ class SurfaceRequest:
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
     closes_tunnels : whether quads may be too large for handles, which are then closed
-    lines : rows on whose lines edges of the quad mesh should lie; None for ``rows``
     """
 
     command: str
@@ -104,7 +103,6 @@ class SurfaceRequest:
     detail: float = DETAIL
     start: tuple[np.ndarray, np.ndarray] | None = None
     closes_tunnels: bool = False
-    lines: tuple[Row, ...] | None = None
 
     @classmethod
     def of(cls, command: str, source: SurfaceSource, settings: SurfaceSettings) -> "SurfaceRequest":
@@ -143,12 +141,6 @@ class SurfaceRequest:
         sides = smallest_sides(mesh, spacing / self.spacing * np.asarray(self.spacings))
         rows = _feature_rows(self.given, self.settings, sides, self.source.sharp, is_uncrowded=True)
         return replace(self, rows=self.source.rows + rows)
-
-    def without_sharp_edges(self) -> "SurfaceRequest":
-        """The request with the boundary as its only feature; sharp edges that quads do not follow count as lost."""
-        settings = replace(self.settings, features=np.pi if self.settings.features > 0 else 0.0)
-        rows = _feature_rows(self.given, settings, smallest_sides(self.given.mesh, self.spacings), ())
-        return replace(self, rows=self.source.rows + rows, lines=self.rows)
 
     def on_mesh(self, given: MeshInput) -> "SurfaceRequest":
         """The request on the same mesh in another object, or with other polygons."""

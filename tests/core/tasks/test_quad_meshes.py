@@ -268,20 +268,6 @@ def test_crowded_sharp_edges_are_left_out_where_a_bad_mesh_gets_better(monkeypat
 
 
 @pytest.mark.full_search
-def test_sharp_edges_are_ignored_where_corners_stay_bad(monkeypatch):
-    """Their length still counts, so that a warning has what is lost."""
-    request = asked(chamfered_cube(cut=0.04, cells=8), faces=160, features=ANGLE / 2, smoothing=20)
-    first, (without, lost) = request.solve(), quad_meshes._solve(request.without_sharp_edges(), None)
-    assert without.quads.euler_characteristic == 2
-    assert lost.all_lengths.sum() == pytest.approx(24 * (1 - 2 * 0.04), rel=0.01)
-    monkeypatch.setattr(quad_meshes, "BAD_ANGLE", -1.0)
-    monkeypatch.setattr(quad_meshes, "WORST_ANGLE", -1.0)
-    monkeypatch.setattr(quad_meshes, "_is_better", lambda *_: True)
-    after = quality(request.solve().quads)
-    assert after == quality(without.quads) and after != quality(first.quads)
-
-
-@pytest.mark.full_search
 @pytest.mark.parametrize(
     "asked_for", [{"faces": 500}, pytest.param({"faces": 650}, marks=pytest.mark.slow), {"spacing": 0.95}]
 )
