@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import TooLargeQuads, lost_lines
-from ..extract.quads.measure.faults import REMEDY, count_lost_handles, quad_faults
+from ..extract.quads.measure.faults import REMEDY, WORST_ANGLE, count_lost_handles, quad_faults
 from ..extract.quads.measure.quality import quality
 from ..extract.quads.mirror import plane_edges, without_image
 from ..extract.quads.repair.strips import NEAR
@@ -163,8 +163,12 @@ def _is_bad(result: SurfaceResult, faces: int) -> bool:
 
 
 def _is_better(result: SurfaceResult, other: SurfaceResult, faces: int) -> bool:
-    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer."""
-    return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(FAR, _misses(other, faces))
+    """Whether corners are nearer to right angles, and the number of faces is near the wanted one, or nearer.
+
+    Where corners are beyond :data:`WORST_ANGLE`, it may be twice as far from it.
+    """
+    far = FAR if _mean_angle(other) <= WORST_ANGLE else 2 * FAR
+    return _mean_angle(result) < _mean_angle(other) and _misses(result, faces) <= max(far, _misses(other, faces))
 
 
 def _mean_angle(result: SurfaceResult) -> float:
