@@ -253,7 +253,7 @@ def test_only_lines_of_several_quads_that_are_lost_are_solved_for_again(monkeypa
 @pytest.mark.full_search
 def test_crowded_sharp_edges_are_left_out_where_a_bad_mesh_gets_better(monkeypatch):
     """Of each narrow chamfer of a cube one edge; a mesh that is not bad is not solved again."""
-    request = asked(chamfered_cube(cut=0.04, cells=8), faces=160, features=ANGLE / 2, smoothing=20)
+    request = asked(chamfered_cube(cut=0.04, cells=8), faces=260, features=ANGLE / 2, smoothing=20)
     first = request.solve()
     assert not any("run beside others" in line for line in first.warnings)
     monkeypatch.setattr(quad_meshes, "BAD_ANGLE", -1.0)
