@@ -208,11 +208,10 @@ class TriangleMesh:
     @cached_property
     def _corner_products(self) -> tuple[np.ndarray, np.ndarray]:
         """(m, 3) dot products of the two edge vectors at each corner, and (m, 1) twice the areas."""
-        corners = self.vertices[self.triangles]
-        forward = np.roll(corners, -1, axis=1) - corners
-        backward = np.roll(corners, 1, axis=1) - corners
-        dots = np.einsum("tkx,tkx->tk", forward, backward)
-        return dots, np.linalg.norm(np.cross(forward[:, 0], backward[:, 0]), axis=1)[:, None]
+        first, second, third = (self.vertices[corner] for corner in self.triangles.T)
+        sides = second - first, third - second, first - third
+        dots = np.stack([-np.einsum("tx,tx->t", sides[k], sides[k - 1]) for k in range(3)], axis=1)
+        return dots, np.linalg.norm(np.cross(sides[2], sides[0]), axis=1)[:, None]
 
     @cached_property
     def corner_angles(self) -> np.ndarray:
