@@ -34,8 +34,8 @@ CANDIDATES = 3
 _TINY = np.finfo(float).tiny
 # A patch may be farther from the surface than before by this share.
 FARTHER = 0.01
-# Values of patches for (n, 3) places of the vertices, their largest deviations, and the gradient of the values' sum.
-Norms = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+# Values of patches for (n, 3) places of the vertices first, and the gradient of their sum last.
+Measure = Callable[[np.ndarray], tuple[np.ndarray, ...]]
 # Tells for (n, 3) places of the vertices and (p,) bool which of these patches are better, as a (p,) bool.
 Judge = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # (s, 3) points, (s,) their patches, (s, CANDIDATES) faces near them.
@@ -205,7 +205,7 @@ class Patches:
         labels = labels[near[:, 0]]
         return samples[labels >= 0], labels[labels >= 0], near[labels >= 0]
 
-    def descend(self, directions: np.ndarray, number: int, measure: Norms | None = None) -> np.ndarray:
+    def descend(self, directions: np.ndarray, number: int, measure: Measure | None = None) -> np.ndarray:
         """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower :meth:`norms`, or another measure: a
         number of steps of Barzilai-Borwein descent."""
         measure = self.norms if measure is None else measure
@@ -214,7 +214,7 @@ class Patches:
         def at(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             vertices = start.copy()
             vertices[self.moving] += scales * np.einsum("kd,kdx->kx", shares, directions)
-            norms, _, gradient = measure(vertices)
+            norms, *_, gradient = measure(vertices)
             return norms, scales * np.einsum("kx,kdx->kd", gradient[self.moving], directions)
 
         def sums(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -269,16 +269,14 @@ class Patches:
         gradient = self._sums_at_vertices @ (np.tile(slopes, 2)[:, None] * np.concatenate([to_before, to_after]))
         return worst * totals ** (1 / POWER) + SHARE * means, worst, gradient
 
-    def means(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """As :meth:`norms`, with the mean deviations."""
+    def means(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(p,) mean deviations of the patches' corners in radians, made smooth, and (n, 3) gradient of their sum."""
         off, to_before, to_after = self._deviations(vertices)
         labels, count = self.labels, len(self.sides)
         smooth, numbers = np.sqrt(off**2 + SMOOTH**2), np.bincount(labels, minlength=count)
-        worst = np.zeros(count)
-        np.maximum.at(worst, labels, np.abs(off))
         slopes = off / smooth / numbers[labels]
         gradient = self._sums_at_vertices @ (np.tile(slopes, 2)[:, None] * np.concatenate([to_before, to_after]))
-        return np.bincount(labels, smooth, minlength=count) / numbers, worst, gradient
+        return np.bincount(labels, smooth, minlength=count) / numbers, gradient
 
     def turned(self, vertices: np.ndarray) -> np.ndarray:
         """(p,) number of corners beyond 180 degrees."""
