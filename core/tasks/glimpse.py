@@ -12,6 +12,8 @@ import numpy as np
 
 from ..defects import wrap
 from ..errors import SynchError
+from ..fields import Guide, Row
+from ..fields.constraints.lines import Line
 from ..fields.patterns import KnownPattern
 from ..geometry.mesh_input import MeshInput, ObjectMesh
 from ..geometry.polygons import Polygons
@@ -19,13 +21,14 @@ from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import sum_by
 from ..matchings import after_turns
 from ..solution import GLANCE
-from .surface_source import SurfaceSource
+from .surface_source import PendingGuide, SurfaceSource
 
 if TYPE_CHECKING:
     from .surfaces import SurfaceRequest
 
-# Vertices from which on meshes have a glimpse; cells in a period; least number of vertices to one of the copy.
-FEWEST, CELLS, LEAST = 20_000, 1.2, 3
+# Vertices from which on meshes have a glimpse; cells in a period, and in two quads; least number of vertices to one of
+# the copy.
+FEWEST, CELLS, CELLS_OF_MESHES, LEAST = 20_000, 1.2, 1.8, 3
 
 
 @dataclass(frozen=True)
@@ -47,42 +50,40 @@ class Picture:
 
 
 def glimpse(request: "SurfaceRequest") -> Picture | None:
-    """The picture, of the triangles of the mesh.
+    """The picture, of the triangles of the mesh; of a quad mesh, the quads of a pattern with sides as long as its.
 
-    None for meshes that are not much finer than the pattern, and for requests with guides, constraints, symmetries,
-    pins, or directions that are given.
+    None for meshes that are not much finer than the pattern, for requests with symmetries, pins, or directions that are
+    given, and where constraints contradict one another on the coarse copy.
     """
-    mesh, source = request.given.mesh, request.source
-    is_bound = source.guides or request.rows or request.mirrors or request.pins or source.directions is not None
+    mesh, source, spacings = request.given.mesh, request.source, request.spacings
+    is_bound = request.mirrors or request.pins or source.directions is not None
     if mesh.vertex_count < FEWEST or is_bound or request.start is not None:
         return None
-    cluster = _clusters(mesh, float(np.min(request.spacings)) / CELLS)
+    cells = CELLS
+    if request.command == "quad_mesh":
+        spacings, cells = spacings * (2 * request.side / float(np.mean(spacings))), CELLS_OF_MESHES
+    cluster = _clusters(mesh, float(np.min(spacings)) / cells)
     count = int(cluster.max()) + 1
     if LEAST * count > mesh.vertex_count:
         return None
-    first = np.zeros(count, int)
-    first[cluster] = np.arange(mesh.vertex_count)
     try:
-        given = _coarse_copy(mesh, cluster, count)
-        at = first[given.source]
-        spacings, turns = (
-            values[at] if isinstance(values, np.ndarray) and values.ndim else values
-            for values in (request.spacings, source.turns)
-        )
-        settings = replace(request.settings, strict=False)
-        coarse = SurfaceSource(given, turns=turns)
+        copy = _CoarseCopy.of(mesh, cluster, count)
+        guides = tuple(copy.guide(*guide.weighted(request.side)) for guide in source.guides)
+        coarse = SurfaceSource(copy.given, guides=guides, turns=copy.values(source.turns))
         result = replace(
             request,
+            command="stripes" if request.command == "stripes" else "quads",
             source=coarse,
-            settings=settings,
-            spacings=spacings,
+            settings=replace(request.settings, strict=False),
+            spacings=copy.values(spacings),
+            rows=tuple(copy.row(row) for row in request.rows),
             options=replace(request.options, method=GLANCE),
         ).solve()
     except SynchError:
         return None
     assert result.pattern is not None  # only patterns are shown
     places = (mesh.vertices @ np.linalg.inv(request.given.stretch).T)[mesh.triangles].reshape(-1, 3)
-    waves = _local_waves(mesh, cluster, given, result.pattern)
+    waves = _local_waves(mesh, cluster, copy.given, result.pattern)
     phases = np.zeros((len(places), 2), np.float32)
     phases[:, : waves.shape[1]] = waves
     return Picture(places.astype(np.float32), phases, request.command != "stripes", is_result=False)
@@ -99,15 +100,66 @@ def _clusters(mesh: TriangleMesh, size: float) -> np.ndarray:
     return np.unique(keys, return_inverse=True)[1].reshape(-1)
 
 
-def _coarse_copy(mesh: TriangleMesh, cluster: np.ndarray, count: int) -> MeshInput:
-    """A surface whose vertices are the means of the clusters; raises MeshError where no triangle is left."""
-    places = sum_by(cluster, mesh.vertices, count) / np.bincount(cluster, minlength=count)[:, None]
-    triangles = cluster[mesh.triangles]
-    triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
-    keys = np.sort(triangles, axis=1) @ np.array([count**2, count, 1])
-    triangles = triangles[np.unique(keys, return_index=True)[1]]
-    polygons = Polygons.of_triangles(TriangleMesh(places, triangles))
-    return ObjectMesh("the coarse copy", places, polygons, np.eye(3)).surface()
+@dataclass(frozen=True)
+class _CoarseCopy:
+    """The coarse copy of a mesh.
+
+    Attributes
+    ----------
+    given : a surface whose vertices are the means of clusters
+    nearest : (n,) vertex of the copy of each vertex of the mesh
+    first : (k,) one vertex of the mesh of each vertex of the copy
+    """
+
+    mesh: TriangleMesh
+    given: MeshInput
+    nearest: np.ndarray
+    first: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, cluster: np.ndarray, count: int) -> "_CoarseCopy":
+        """The copy of (n,) clusters; raises MeshError where no triangle is left."""
+        places = sum_by(cluster, mesh.vertices, count) / np.bincount(cluster, minlength=count)[:, None]
+        triangles = cluster[mesh.triangles]
+        triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
+        keys = np.sort(triangles, axis=1) @ np.array([count**2, count, 1])
+        triangles = triangles[np.unique(keys, return_index=True)[1]]
+        polygons = Polygons.of_triangles(TriangleMesh(places, triangles))
+        given = ObjectMesh("the coarse copy", places, polygons, np.eye(3)).surface()
+        first = np.zeros(count, int)
+        first[cluster] = np.arange(mesh.vertex_count)
+        return cls(mesh, given, given.at_object(np.arange(given.mesh.vertex_count))[cluster], first[given.source])
+
+    def values(self, values: float | np.ndarray) -> float | np.ndarray:
+        """One value, or those at the vertices of the copy of (n, ...) at the mesh's."""
+        return values[self.first] if isinstance(values, np.ndarray) and values.ndim else values
+
+    def guide(self, guide: Guide, share: float) -> PendingGuide:
+        """A guide and its share on the copy, where each vertex has the weights of all that it stands for."""
+        nodes = np.arange(len(self.first))
+        angles = self._angles(guide.angles[self.first], self.first, nodes)
+        weights = np.bincount(self.nearest, guide.weights, len(nodes))
+        return PendingGuide("guide", lambda: Guide(angles, weights), share)
+
+    def row(self, row: Row) -> Row:
+        """A constraint along the same line, whose distance from the copy's vertices is another one."""
+        line, mesh, copy = row.line, self.mesh, self.given.mesh
+        at, nodes = line.vertices, self.nearest[line.vertices]
+        x, y = mesh.tangent_frames
+        left = np.cos(line.angles)[:, None] * y[at] - np.sin(line.angles)[:, None] * x[at]
+        moved = np.einsum("sx,sx->s", left, copy.vertices[nodes] - mesh.vertices[at])
+        links = self.nearest[line.links]
+        links = np.unique(np.sort(links[links[:, 0] != links[:, 1]], axis=1), axis=0)
+        angles, offsets = self._angles(line.angles, at, nodes), line.offsets + np.nan_to_num(moved)
+        kept = np.unique(self.nearest[line.nodes], return_index=True)[1]
+        value = row.value[kept] if isinstance(row.value, np.ndarray) and row.value.ndim else row.value
+        return replace(row, line=Line(nodes, angles, offsets, line.lengths, links), value=value)
+
+    def _angles(self, angles: np.ndarray, at: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+        """(s,) angles at vertices of the copy of directions at vertices of the mesh."""
+        (x, y), (over, up) = self.mesh.tangent_frames, self.given.mesh.tangent_frames
+        vectors = np.cos(angles)[:, None] * x[at] + np.sin(angles)[:, None] * y[at]
+        return np.arctan2(np.einsum("sx,sx->s", vectors, up[nodes]), np.einsum("sx,sx->s", vectors, over[nodes]))
 
 
 def _local_waves(mesh: TriangleMesh, cluster: np.ndarray, given: MeshInput, pattern: KnownPattern) -> np.ndarray:

@@ -175,21 +175,21 @@ class SurfaceRequest:
     ) -> "SurfaceResult":
         """:meth:`solve` with intermediate results.
 
-        For stripes and quads by the default method, ``show`` is called with a first result after a small part of the
-        time, then with each one that is better or has a bound; on fine meshes, before these, with the picture of a
-        :func:`.glimpse.glimpse`. For a quad mesh it is called with one draft.
+        By the default method, ``show`` is called for stripes and quads with a first result after a small part of the
+        time, then with each one that is better or has a bound; for a quad mesh with one draft. On fine meshes it is
+        called first with the picture of a :func:`.glimpse.glimpse`.
         """
         expect(progress, self.source.seconds(self.command, self.settings))
-        if self.command == "quad_mesh" and self.options.method == "sdp":
-            draft = draft_quad_mesh(self, portion(progress, 0.0, _DRAFT))
-            if draft is not None:
-                show(draft)
-            return self.solve(portion(progress, _DRAFT, 1.0 - _DRAFT))
-        if self.command not in SHOWN or self.options.method != "sdp":
+        if self.command not in PATTERNS or self.options.method != "sdp":
             return self.solve(progress)
         early = glimpse(self)
         if early is not None:
             show(early)
+        if self.command == "quad_mesh":
+            draft = draft_quad_mesh(self, portion(progress, 0.0, _DRAFT))
+            if draft is not None:
+                show(draft)
+            return self.solve(portion(progress, _DRAFT, 1.0 - _DRAFT))
         quick = replace(self, options=replace(self.options, method=GLANCE))
         show(quick.solve(portion(progress, 0.0, 0.05)))
         directions = self.directed(portion(progress, 0.05, 0.35))
@@ -213,7 +213,7 @@ class SurfaceRequest:
             return given_directions(mesh, symmetry, self.source.directions).turned(self.turn)
         start = None if self.start is None else self.start[0]
         with self._renumber_errors():
-            wishes = self._direction_wishes(tuple(guide.weighted(self._side) for guide in self.source.guides))
+            wishes = self._direction_wishes(tuple(guide.weighted(self.side) for guide in self.source.guides))
             field: DirectionField = direction_field(
                 mesh, symmetry, wishes, self.options, progress, before, follower, start
             )
@@ -224,10 +224,10 @@ class SurfaceRequest:
     @property
     def _detail(self) -> float:
         """Length over which curvature has to vary to turn the directions of a quad mesh."""
-        return self.detail * self._side
+        return self.detail * self.side
 
     @property
-    def _side(self) -> float:
+    def side(self) -> float:
         """The side of a quad of a quad mesh, 0 for other patterns."""
         if self.command != "quad_mesh":
             return 0.0

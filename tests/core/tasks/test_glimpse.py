@@ -2,14 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The first picture on fine meshes: a wave of the asked spacing, continuous over the surface, before any result."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
+from synch_fields.core.fields import Row, boundary_line
+from synch_fields.core.fields.guidance.guides import axis_guide
 from synch_fields.core.process.child import _PictureSender
 from synch_fields.core.tasks.glimpse import FEWEST, glimpse
+from synch_fields.core.tasks.surface_source import PendingGuide
 from synch_fields.core.tasks.surfaces import Picture
 
-from ..meshes import torus
+from ..meshes import square, torus
 from .test_surface_requests import asked, source_of
 
 
@@ -39,6 +44,40 @@ def test_a_glimpse_is_a_continuous_wave_of_the_asked_spacing(command, symmetry):
     lines = np.linalg.norm(gradients, axis=1) * spacing / (2 * np.pi)
     assert np.median(lines) == pytest.approx(1, abs=0.05)
     assert (abs(lines - 1) < 0.3).mean() > 0.8
+
+
+def _gradients(picture):
+    """(m, 3) gradients of the first phase: they solve two equations in the plane of each triangle."""
+    places, phases = picture.places.reshape(-1, 3, 3), picture.phases.reshape(-1, 3, 2)[..., :1]
+    return (np.linalg.pinv(places[:, 1:] - places[:, :1]) @ (phases[:, 1:] - phases[:, :1]))[..., 0]
+
+
+def test_a_glimpse_follows_guides_and_constraints():
+    mesh, axis = square(150), np.array([0.5, np.sqrt(0.75), 0])
+    guide = PendingGuide("axis", partial(axis_guide, mesh, axis), 1e3)
+    gradients = _gradients(glimpse(asked("stripes", source_of(mesh, guides=(guide,)), spacing=0.1, symmetry="line")))
+    # Lines run along the field, and phases grow across.
+    assert np.median(np.abs(gradients @ [-axis[1], axis[0], 0])) == pytest.approx(2 * np.pi / 0.1, rel=0.02)
+
+
+def test_a_glimpse_has_given_phases_on_lines():
+    mesh = square(150)
+    line = boundary_line(mesh, mesh.vertices[:, 0] == 0)
+    rows = Row(line, "along"), Row(line, "phase", 0.7)
+    picture = glimpse(asked("stripes", source_of(mesh, rows=rows), spacing=0.1, symmetry="line"))
+    on_line = picture.phases[picture.places[:, 0] == 0, 0]
+    # Vertices of the copy are off the line; the phases of the waves around them are right on it, up to their sign.
+    assert len(on_line) > 300 and np.median(np.abs(np.cos(on_line) - np.cos(0.7))) < 0.02
+    assert np.quantile(np.abs(np.cos(on_line) - np.cos(0.7)), 0.9) < 0.1
+
+
+@pytest.mark.parametrize("wanted", [{"faces": 600}, {"spacing": 0.32}])
+def test_a_glimpse_of_a_quad_mesh_has_quads_as_large_as_its_faces(wanted):
+    mesh = torus(around=240, across=100)
+    picture = glimpse(asked("quad_mesh", source_of(mesh), symmetry="cross", **wanted))
+    assert picture.of_quads and not picture.is_result
+    side = np.sqrt(mesh.areas.sum() / 600) if "faces" in wanted else 0.16
+    assert np.median(np.linalg.norm(_gradients(picture), axis=1)) == pytest.approx(np.pi / side, rel=0.1)
 
 
 def test_a_mesh_that_is_not_much_finer_than_its_pattern_and_a_constrained_one_have_none():
