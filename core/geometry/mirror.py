@@ -23,6 +23,16 @@ def mirrored_vertices(mesh: TriangleMesh, polygons: Polygons, axis: int) -> np.n
     return mirrored_corners(mesh, polygons, axis)[0]
 
 
+def is_mirrored(mesh: TriangleMesh, polygons: Polygons, axes: str) -> bool:
+    """Whether all vertices have mirror images in axes, as of :func:`mirrored_vertices`."""
+    try:
+        for axis in axes:
+            mirrored_vertices(mesh, polygons, "XYZ".index(axis))
+    except AsymmetryError:
+        return False
+    return True
+
+
 def mirrored_corners(mesh: TriangleMesh, polygons: Polygons, axis: int) -> tuple[np.ndarray, np.ndarray]:
     """Find the (n,) mirror images of the vertices and (c,) of the corners, as :func:`mirrored_vertices`."""
     used = np.unique(mesh.triangles)

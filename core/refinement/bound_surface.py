@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SettingError
+from ..errors import AsymmetryError, SettingError
 from ..geometry.mesh_input import ObjectMesh
+from ..geometry.nearest import nearest_in_triangles
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import boundary_splits, find_slivers, welded_vertices
@@ -56,6 +57,8 @@ class BoundSurface:
     corner_parents, corner_weights : (c, 3) corners of that face, and their weights, which sum to 1
     edge_vertices, edge_source : (e, 2) edges on edges of the object, and (e,) these, one row for each that was joined
     welded : number of vertices of the object that were joined with others, or with edges that they are on
+    apart : for the positive side of a mirror and its image, the largest distance from them to the object's vertices on
+        the other side; None for the object's own surface
     """
 
     vertices: np.ndarray
@@ -69,21 +72,25 @@ class BoundSurface:
     edge_vertices: np.ndarray
     edge_source: np.ndarray
     welded: int
+    apart: float | None = None
 
 
-def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[int] = ()) -> BoundSurface:
+def refine(
+    read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[int] = (), may_replace: bool = False
+) -> BoundSurface:
     """Refine a mesh until no edge is longer than a limit, after joining boundary vertices with others at the same place
     and with edges that they are on.
 
     Faces without longer edges are kept. Faces without finite coordinates, triangles whose corners were joined, and
     loose elements are left out. Raises TooFineError if there would be too many triangles; AsymmetryError for a mesh
-    that is not its own mirror image.
+    that is not its own mirror image, or has nothing on the positive side.
 
     Parameters
     ----------
     edges : (e, 2) vertices of the object's edges
     longest : longest edge in the measured space
     axes : 0, 1 or 2, in which the mesh is symmetric and the surface is to be
+    may_replace : where the mesh is not symmetric, use its positive side and the mirror image of that
     """
     vertices, places, starts = read.vertices, read.places, read.polygons.starts
     corner_vertices, triangle_corners = read.polygons.corner_vertices, read.polygons.triangle_corners
@@ -95,18 +102,27 @@ def refine(read: ObjectMesh, edges: ArrayLike, longest: float, axes: Sequence[in
     sides = _label_sides(edges, corner_vertices[corners], len(vertices))
     faces = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(corner_vertices)))
     whole, own, split = _close_edges(whole_division(places, own[corner_vertices[corners]], sides), own)
-    joined = own[corner_vertices]
+    joined, apart = own[corner_vertices], None
     if not axes or len(corners) == 0:
         division = _divide(whole, longest)
         parents = corners[division.source]
     else:
         mesh = TriangleMesh(places, joined[corners])
         polygons = _make_polygons(starts, joined, faces, corners)
-        reflections = [Reflection.of(mesh, polygons, own[edges], axis) for axis in axes]
-        division, parents = _divide_symmetrically(whole, corners, reflections, longest)
+        try:
+            reflections = [Reflection.of(mesh, polygons, own[edges], axis) for axis in axes]
+            division, parents = _divide_symmetrically(whole, corners, reflections, longest)
+        except AsymmetryError:
+            if not may_replace:
+                raise
+            division, parents, apart = _replace_by_images(whole, corners, len(edges), longest, axes)
     kept = _find_kept(division, parents, faces, corners, triangle_corners, usable)
     joins = int((own != np.arange(len(own))).sum()) + split
-    return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
+    if apart is None:
+        return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
+    surface = _build_surface(vertices, starts, joined, faces, parents, division, np.zeros_like(kept), joins)
+    moved = division.vertices[np.unique(division.triangles)] @ np.linalg.inv(read.stretch).T
+    return replace(surface, vertices=moved, apart=apart)
 
 
 def _close_edges(whole: Division, own: np.ndarray) -> tuple[Division, np.ndarray, int]:
@@ -144,6 +160,38 @@ def _divide_symmetrically(
     for reflection in reflections:
         division, parents = add_reflection(division, parents, reflection)
     return division, parents
+
+
+def _replace_by_images(
+    whole: Division, corners: np.ndarray, edge_count: int, longest: float, axes: Sequence[int]
+) -> tuple[Division, np.ndarray, float]:
+    """Divide the positive side of mirrors and add its images, as :func:`_divide_symmetrically`.
+
+    The corners and weights of images are those of the nearest triangles of the side that they replace. Also returns how
+    far the vertices of that side are at most.
+    """
+    mesh, of_axes = TriangleMesh(whole.vertices, whole.triangles), list(axes)
+    reflections = [Reflection.of_half(mesh, int(corners.max()) + 1, edge_count, axis) for axis in axes]
+    heights = snap_to_planes(whole, reflections).vertices[:, of_axes]
+    for axis, positive in zip(axes, (heights[whole.triangles] > 0).any(axis=(0, 1)), strict=True):
+        if not positive:
+            raise AsymmetryError("XYZ"[axis], mesh.used_vertices)
+    division, parents = _divide_symmetrically(whole, corners, reflections, longest)
+    heights_of = division.vertices[division.triangles][:, :, of_axes]
+    # A wall in the plane would be between both sides.
+    outside = (heights_of != 0).any(axis=1).all(axis=1)
+    division, parents, images = division[outside], parents[outside], (heights_of[outside] < 0).any(axis=(1, 2))
+    places = division.vertices[division.triangles[images]]
+    nearest = mesh.finder.nearest(places.mean(axis=1))[1]
+    own = nearest_in_triangles(places, mesh.vertices[mesh.triangles[nearest].T][:, :, None])
+    weights, source = division.weights.copy(), division.source.copy()
+    weights[images] = own @ whole.weights[nearest]
+    source[images] = whole.source[nearest]
+    parents[images] = corners[source[images]]
+    division = replace(division, weights=weights, source=source)
+    replaced = mesh.vertices[mesh.used_vertices[(heights[mesh.used_vertices] < 0).any(axis=1)]]
+    found = TriangleMesh(division.vertices, division.triangles).finder.nearest(replaced)[0]
+    return division, parents, float(np.linalg.norm(found - replaced, axis=1).max(initial=0.0))
 
 
 def _find_usable(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:

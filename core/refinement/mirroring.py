@@ -13,10 +13,13 @@ from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import find, pair_keys
 from .division import TRIANGLE_EDGES, Division, Faces, join_faces
 
+# Vertices are moved onto a plane from this share of their shortest edge.
+NEAR_PLANE = 0.2
+
 
 @dataclass(frozen=True)
 class Reflection:
-    """Mirror images of a mesh's (n,) vertices, (c,) corners and (e,) edges, -1 for none, in axis 0, 1 or 2."""
+    """Mirror images of a mesh's (n,) vertices and (e,) edges, -1 for none, and (c,) corners, in axis 0, 1 or 2."""
 
     axis: int
     vertices: np.ndarray
@@ -29,6 +32,18 @@ class Reflection:
         vertices, corners = mirrored_corners(mesh, polygons, axis)
         images = find(pair_keys(edges, len(vertices)), pair_keys(vertices[edges], len(vertices)))
         return cls(axis, vertices, corners, images)
+
+    @classmethod
+    def of_half(cls, mesh: TriangleMesh, corner_count: int, edge_count: int, axis: int) -> Self:
+        """A reflection of the positive side, whose vertices near the plane are moved onto it.
+
+        Vertices off the plane have no image; corners and edges stand for their images.
+        """
+        shortest = np.full(mesh.vertex_count, np.inf)
+        np.minimum.at(shortest, mesh.edges, mesh.edge_lengths[:, None])
+        is_on = np.abs(mesh.vertices[:, axis]) <= NEAR_PLANE * shortest
+        vertices = np.where(is_on, np.arange(mesh.vertex_count), -1)
+        return cls(axis, vertices, np.arange(corner_count), np.arange(edge_count))
 
 
 def snap_to_planes(division: Division, reflections: Sequence[Reflection]) -> Division:
@@ -84,9 +99,9 @@ def add_reflection(division: Division, parents: np.ndarray, reflection: Reflecti
     """
     heights = division.vertices[:, reflection.axis]
     count, given = len(division.vertices), len(reflection.vertices)
-    image = np.arange(count)
+    image = np.where(heights == 0, np.arange(count), -1)
     image[:given] = reflection.vertices
-    moved = given + np.flatnonzero(heights[given:] != 0)
+    moved = np.flatnonzero(image < 0)
     image[moved] = count + np.arange(len(moved))
     mirrored = division.vertices[moved].copy()
     mirrored[:, reflection.axis] *= -1

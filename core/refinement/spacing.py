@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from ..errors import SettingError
 from ..geometry.check import refuse_far_vertices
 from ..geometry.mesh_input import MeshInput, ObjectMesh
-from ..geometry.mirror import are_divided_by_edges, mirror_planes
+from ..geometry.mirror import are_divided_by_edges, is_mirrored, mirror_planes
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import boundary_splits, welded_vertices
 from ..settings.surface import QUADS as QUAD_COMMANDS
@@ -121,6 +121,8 @@ def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: 
     # Cut at two planes, a face that lies across both is not always mirrored.
     if command == "quad_mesh" and len(units) == 1 and not are_divided_by_edges(mesh, units):
         return False
+    if command == "quad_mesh" and not is_mirrored(uncut, given.polygons, settings.mirror):
+        return False
     if len(uncut.boundary_edges) == 0:
         return True
     if len(boundary_splits(uncut.vertices, uncut.triangles)[0]):
@@ -135,11 +137,13 @@ def finer_copy(
     given: MeshInput,
     settings: SurfaceSettings,
     factors: float | np.ndarray = 1.0,
+    may_replace: bool = False,
 ) -> BoundSurface:
     """The finer copy of an object's mesh, with (e, 2) edges, that carries the pattern asked for; SettingError where it
     would have too many faces.
 
-    ``given`` is the same mesh, repaired; the factors on the spacing are one or (n,).
+    ``given`` is the same mesh, repaired; the factors on the spacing are one or (n,). ``may_replace`` is of
+    :func:`refine`.
     """
     mesh, longest = given.mesh, None
     spacing = settings.spacing or wished_spacing(mesh.areas.sum(), lines_in_period(command))
@@ -149,7 +153,7 @@ def finer_copy(
     refuse_far_vertices(mesh)
     axes = ["XYZ".index(axis) for axis in settings.mirror]
     try:
-        return refine(read, edges, np.inf if longest is None else longest, axes)
+        return refine(read, edges, np.inf if longest is None else longest, axes, may_replace)
     except TooFineError as error:
         factor = error.factor
     if command != "quad_mesh" or not settings.faces:

@@ -82,6 +82,11 @@ class Report:
                     f"{refinement.bound.welded} vertices at the places of others, or on edges of other faces, count as "
                     "joined with these: Mesh > Merge > By Distance joins the former"
                 )
+            if refinement.bound.apart is not None:
+                self.warn(
+                    f"the mesh is not symmetric in {', '.join(refinement.mirror)}: its positive side is mirrored, from "
+                    f"which the other side is up to {refinement.bound.apart:.3g} away"
+                )
         elif self.command != "animate":  # animations are solved on the result of the modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
         for line in request.settings.unheeded(request.command, bool(np.any(request.turn))):
