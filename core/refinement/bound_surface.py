@@ -83,7 +83,7 @@ def refine(
 
     Faces without longer edges are kept. Faces without finite coordinates, triangles whose corners were joined, and
     loose elements are left out. Raises TooFineError if there would be too many triangles; AsymmetryError for a mesh
-    that is not its own mirror image, or has nothing on the positive side.
+    that is not its own mirror image; SettingError where there is nothing on the positive side to replace the other.
 
     Parameters
     ----------
@@ -175,7 +175,10 @@ def _replace_by_images(
     heights = snap_to_planes(whole, reflections).vertices[:, of_axes]
     for axis, positive in zip(axes, (heights[whole.triangles] > 0).any(axis=(0, 1)), strict=True):
         if not positive:
-            raise AsymmetryError("XYZ"[axis], mesh.used_vertices)
+            raise SettingError(
+                f"nothing of the mesh is on the positive side of the mirror in {'XYZ'[axis]}, which is mirrored: move "
+                "its origin (Object > Set Origin), or switch the mirror off"
+            )
     division, parents = _divide_symmetrically(whole, corners, reflections, longest)
     heights_of = division.vertices[division.triangles][:, :, of_axes]
     # A wall in the plane would be between both sides.

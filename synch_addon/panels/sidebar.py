@@ -156,7 +156,7 @@ def draw_main(layout, obj):
         draw_strokes(column)
     if simple.direction == "OTHER" and is_simple():
         column.label(text="Guides: Advanced, Guide", icon="BLANK1")
-    axes = {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
+    axes = {*mirror_axes(source, simple.kind == "quad_mesh"), *(axis for axis in range(3) if settings.mirror[axis])}
     if axes:
         draw_mirror(column, settings, sorted(axes))
     if simple.kind != "directions":

@@ -7,6 +7,7 @@ import math
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.quads.finishing import finish_quads
@@ -278,6 +279,25 @@ def test_a_mirror_makes_the_mesh_its_own_mirror_image(axis, smoothing):
     alone = here[irregular & (distances.min(axis=1) > 1e-4) & (np.abs(here[:, axis]) < 0.1)]
     away = (np.linalg.norm(here[:, None] - alone[None], axis=2) > 0.5).all(axis=1)
     assert away.mean() > 0.8 and distances[away].min(axis=1).max() < 1e-4
+
+
+@pytest.mark.any_surface
+def test_the_positive_side_is_mirrored_where_triangles_differ():
+    """Groups stay on their side: the mesh that is made has those of the object where it is."""
+    obj = sphere()
+    turn = Matrix.Rotation(0.4, 4, "X") @ Matrix.Rotation(0.7, 4, "Z")
+    obj.data.transform(turn)
+    right = obj.vertex_groups.new(name="right")
+    right.add(np.flatnonzero(places(obj)[:, 0] < -0.1).tolist(), 1.0, "REPLACE")
+    before = places(obj)
+    made, report = made_from(obj, faces=300, mirror="X")
+    assert np.array_equal(places(obj), before) and is_closed(made) and is_manifold(made)
+    here = places(made)
+    apart = np.linalg.norm(here[:, None] * [-1, 1, 1] - here[None], axis=2).min(axis=1)
+    assert apart.max() < 1e-5
+    assert any("positive side is mirrored, from which the other side is up to" in line for line in report["warnings"])
+    members = np.array([any(group.weight > 0.5 for group in vertex.groups) for vertex in made.data.vertices])
+    assert members[here[:, 0] < -0.3].all() and not members[here[:, 0] > 0.1].any()
 
 
 # Figures

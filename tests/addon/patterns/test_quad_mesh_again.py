@@ -224,7 +224,7 @@ def test_edit_mode_is_left_first(ball):
 
 
 def test_errors_select_vertices_of_the_source(ball):
-    """One that is not symmetric, though its quad mesh was made without a mirror."""
+    """One that is not symmetric, on its own faces, though its quad mesh was made without a mirror."""
     made = made_of(ball, faces=50)
     far = len(ball.data.vertices) - 1
     ball.data.vertices[far].co *= 1.3

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import AsymmetryError
+from synch_fields.core.errors import AsymmetryError, SettingError
 from synch_fields.core.geometry import TriangleMesh, check_mesh
 from synch_fields.core.geometry.mesh_input import ObjectMesh
 from synch_fields.core.geometry.mirror import mirrored_vertices
@@ -23,7 +23,7 @@ def edges_of(faces):
     return np.unique(np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1), axis=0)
 
 
-def refined(vertices, faces, longest, axes=(), stretch=None):
+def refined(vertices, faces, longest, axes=(), stretch=None, may_replace=False):
     faces = np.asarray(faces)
     count, size = faces.shape
     starts, last = size * np.arange(count), np.arange(2, size)
@@ -32,7 +32,7 @@ def refined(vertices, faces, longest, axes=(), stretch=None):
     owners = np.repeat(np.arange(count), size - 2)
     polygons = Polygons(faces.ravel(), starts, np.full(count, size), corners, owners)
     read = ObjectMesh("mesh", np.asarray(vertices, float), polygons, np.eye(3) if stretch is None else stretch)
-    return refine(read, edges_of(faces), longest, axes)
+    return refine(read, edges_of(faces), longest, axes, may_replace)
 
 
 def as_mesh(bound):
@@ -272,6 +272,54 @@ def test_a_mesh_that_is_not_symmetric_is_refused_by_its_own_vertices():
     with pytest.raises(AsymmetryError) as error:
         refined(bent, QUADS, 0.1, axes=(1,))
     assert 3 in error.value.vertices and max(error.value.vertices) < 8
+
+
+def rotated_ball(level):
+    """A sphere whose triangles have no mirror images."""
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    return icosphere(level).vertices @ turn.T * np.sign(np.linalg.det(turn)), icosphere(level).triangles
+
+
+@pytest.mark.parametrize("axes", [(0,), (2,), (0, 1), (0, 1, 2)])
+def test_the_positive_side_replaces_another_one_with_other_triangles(axes):
+    vertices, triangles = rotated_ball(3)
+    with pytest.raises(AsymmetryError):
+        refined(vertices, triangles, 0.1, axes)
+    bound = refined(vertices, triangles, 0.1, axes, may_replace=True)
+    mesh = as_mesh(bound)
+    check_mesh(mesh)
+    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == 2
+    whole = TriangleMesh(vertices, triangles)
+    assert mesh.areas.sum() == pytest.approx(whole.areas.sum(), rel=0.01) and mesh.edge_lengths.max() <= 0.1
+    for axis in axes:
+        mirrored_vertices(mesh, Polygons.of_triangles(mesh), axis)
+    # Each side lies where its parents say; that which was replaced nearly.
+    chord = 1 - np.linalg.norm(whole.vertices[whole.triangles].mean(axis=1), axis=1).min()
+    at_corners = np.einsum("ck,ckx->cx", bound.corner_weights, vertices[triangles.ravel()[bound.corner_parents]])
+    away = np.linalg.norm(at_corners - bound.vertices[bound.corner_vertices], axis=1)
+    is_kept = (bound.vertices[bound.corner_vertices][:, list(axes)] > 0.2).all(axis=1)
+    assert away[is_kept].max() < 1e-12 and away.max() < 0.5 * whole.edge_lengths.max()
+    assert bound.corner_weights.min() > -1e-15 and bound.corner_weights.sum(axis=1) == pytest.approx(1)
+    assert (bound.corner_parents // 3 == bound.face_source.repeat(3)[:, None]).all()
+    assert 0 < bound.apart < 2 * chord
+
+
+def test_what_replaces_the_other_side_says_how_far_it_was():
+    bent = CUBE - 0.5
+    bent[3] -= [0.2, 0, 0]  # at negative X
+    bound = refined(bent, QUADS, 0.3, axes=(0,), may_replace=True)
+    mesh = as_mesh(bound)
+    assert mesh.euler_characteristic == 2 and mesh.areas.sum() == pytest.approx(6)
+    assert bound.apart == pytest.approx(0.2)
+
+
+def test_a_wall_in_the_mirror_plane_is_not_kept_between_both_sides():
+    mesh = as_mesh(refined(CUBE, QUADS, 0.3, axes=(0,), may_replace=True))
+    check_mesh(mesh)
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([2, 1, 1])
+    assert mesh.euler_characteristic == 2 and mesh.areas.sum() == pytest.approx(10)
+    with pytest.raises(SettingError, match="nothing of the mesh is on the positive side of the mirror in X"):
+        refined(CUBE - [1, 0, 0], QUADS, 0.3, axes=(0,), may_replace=True)
 
 
 def test_faces_in_the_mirror_plane_stay():
