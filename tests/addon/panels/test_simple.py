@@ -222,6 +222,15 @@ def test_a_count_of_faces_begins_at_the_one_that_was_expected():
     assert stored.faces == 0 and simple.faces == expected
 
 
+def test_for_quad_meshes_a_mirror_is_offered_where_the_shape_is_symmetric():
+    obj = sphere()
+    assert mirror_axes(obj) == mirror_axes(obj, of_shape=True) == (0, 1, 2)
+    obj.data.transform(Matrix.Rotation(0.4, 4, "X") @ Matrix.Rotation(0.7, 4, "Z"))
+    obj.data.update()
+    bpy.context.view_layer.update()
+    assert mirror_axes(obj) == () and mirror_axes(obj, of_shape=True) == (0, 1, 2)
+
+
 def test_in_edit_mode_automatic_turned_off_leaves_its_spacing_too():
     obj = sphere()
     simple, stored = obj.synch_simple, obj.synch
