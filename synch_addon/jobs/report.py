@@ -13,6 +13,7 @@ import scipy
 from ... import __version__
 from ...core.errors import name_elements, one_line, plural
 from ...core.geometry.check import coarse_mesh
+from ...core.geometry.mirror import TOLERANCE
 from ...core.memory import peak_megabytes
 from ...core.solution import Clock
 from ..blender.meshes import measured_key
@@ -82,10 +83,12 @@ class Report:
                     f"{refinement.bound.welded} vertices at the places of others, or on edges of other faces, count as "
                     "joined with these: Mesh > Merge > By Distance joins the former"
                 )
-            if refinement.bound.apart is not None:
+            apart = refinement.bound.apart
+            if apart is not None:
+                near = TOLERANCE * np.median(request.given.mesh.edge_lengths)
+                how = "" if apart <= near else f", up to {apart:.3g} from the other one"
                 self.warn(
-                    f"the mesh is not symmetric in {', '.join(refinement.mirror)}: its positive side is mirrored, from "
-                    f"which the other side is up to {refinement.bound.apart:.3g} away"
+                    f"the mesh is not symmetric in {', '.join(refinement.mirror)}: its positive side is mirrored{how}"
                 )
         elif self.command != "animate":  # animations are solved on the result of the modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
