@@ -162,19 +162,13 @@ def removable_rows(circulation: Circulation, free: np.ndarray, laplacian: csr_ma
 def _removable(circulation: Circulation, free: np.ndarray, holonomy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The holonomy less its means over the pieces on which free changes cannot alter the sum, and (s,) bool: one sum
     of each such piece, which follows from the others."""
-    matrix = circulation.matrix
-    count = matrix.shape[0]
-    usable = free[matrix.indices]
-    columns, signs = matrix.indices[usable], matrix.data[usable]
-    rows = np.repeat(np.arange(count), np.diff(matrix.indptr))[usable]
-    order = np.argsort(columns, kind="stable")
-    twice = order[np.flatnonzero(np.diff(columns[order]) == 0)[:, None] + [0, 1]]
+    count, by_change = circulation.matrix.shape[0], circulation.matrix.tocsc()
+    rows, starts, sums = by_change.indices, by_change.indptr[:-1], np.diff(by_change.indptr)
+    twice = starts[free & (sums == 2), None] + [0, 1]
     pieces = components(count, rows[twice])
-    once = np.ones(len(rows), bool)
-    once[twice] = False
-    is_open = np.bincount(pieces[rows[once]], minlength=pieces.max(initial=-1) + 1) > 0
+    is_open = np.bincount(pieces[rows[starts[free & (sums == 1)]]], minlength=pieces.max(initial=-1) + 1) > 0
     # Sums that no change alters: both places of every change have opposite signs.
-    turned, balanced = balance(count, rows[twice], signs[twice].prod(axis=1) > 0)
+    turned, balanced = balance(count, rows[twice], by_change.data[twice].prod(axis=1) > 0)
     sealed = balanced & ~is_open[pieces]
     sides = np.where(turned, -1.0, 1.0) * sealed
     # In a piece of needles, without area, all sums have the same weight.
