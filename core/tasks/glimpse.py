@@ -52,11 +52,12 @@ class Picture:
 def glimpse(request: "SurfaceRequest") -> Picture | None:
     """The picture, of the triangles of the mesh; of a quad mesh, the quads of a pattern with sides as long as its.
 
-    None for meshes that are not much finer than the pattern, for requests with symmetries, pins, or directions that are
-    given, and where constraints contradict one another on the coarse copy.
+    None for meshes that are not much finer than the pattern, one-sided ones, requests with pins or directions that are
+    given, and where constraints contradict one another on the coarse copy. With mirrors it is the picture of the
+    positive side and its images.
     """
     mesh, source, spacings = request.given.mesh, request.source, request.spacings
-    is_bound = request.mirrors or request.pins or source.directions is not None
+    is_bound = request.given.seam is not None or request.pins or source.directions is not None
     if mesh.vertex_count < FEWEST or is_bound or request.start is not None:
         return None
     cells = CELLS
@@ -66,8 +67,10 @@ def glimpse(request: "SurfaceRequest") -> Picture | None:
     count = int(cluster.max()) + 1
     if LEAST * count > mesh.vertex_count:
         return None
+    planes = request.mirror_planes
+    triangles = mesh.triangles[(mesh.vertices[mesh.triangles].sum(axis=1) @ planes.T >= 0).all(axis=1)]
     try:
-        copy = _CoarseCopy.of(mesh, cluster, count)
+        copy = _CoarseCopy.of(mesh, triangles, cluster, count)
         guides = tuple(copy.guide(*guide.weighted(request.side)) for guide in source.guides)
         coarse = SurfaceSource(copy.given, guides=guides, turns=copy.values(source.turns))
         result = replace(
@@ -77,15 +80,20 @@ def glimpse(request: "SurfaceRequest") -> Picture | None:
             settings=replace(request.settings, strict=False),
             spacings=copy.values(spacings),
             rows=tuple(copy.row(row) for row in request.rows),
+            mirrors=(),
             options=replace(request.options, method=GLANCE),
         ).solve()
     except SynchError:
         return None
     assert result.pattern is not None  # only patterns are shown
-    places = (mesh.vertices @ np.linalg.inv(request.given.stretch).T)[mesh.triangles].reshape(-1, 3)
-    waves = _local_waves(mesh, cluster, copy.given, result.pattern)
+    places = mesh.vertices[triangles].reshape(-1, 3)
+    waves = _local_waves(mesh, triangles, cluster, copy.given, result.pattern)
     phases = np.zeros((len(places), 2), np.float32)
     phases[:, : waves.shape[1]] = waves
+    for unit in planes:
+        places = np.concatenate([places, places - 2 * np.outer(places @ unit, unit)])
+        phases = np.concatenate([phases, phases])
+    places = places @ np.linalg.inv(request.given.stretch).T
     return Picture(places.astype(np.float32), phases, request.command != "stripes", is_result=False)
 
 
@@ -117,10 +125,10 @@ class _CoarseCopy:
     first: np.ndarray
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, cluster: np.ndarray, count: int) -> "_CoarseCopy":
-        """The copy of (n,) clusters; raises MeshError where no triangle is left."""
+    def of(cls, mesh: TriangleMesh, triangles: np.ndarray, cluster: np.ndarray, count: int) -> "_CoarseCopy":
+        """The copy of (t, 3) triangles with (n,) clusters; raises MeshError where no triangle is left."""
         places = sum_by(cluster, mesh.vertices, count) / np.bincount(cluster, minlength=count)[:, None]
-        triangles = cluster[mesh.triangles]
+        triangles = cluster[triangles]
         triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
         keys = np.sort(triangles, axis=1) @ np.array([count**2, count, 1])
         triangles = triangles[np.unique(keys, return_index=True)[1]]
@@ -162,8 +170,10 @@ class _CoarseCopy:
         return np.arctan2(np.einsum("sx,sx->s", vectors, up[nodes]), np.einsum("sx,sx->s", vectors, over[nodes]))
 
 
-def _local_waves(mesh: TriangleMesh, cluster: np.ndarray, given: MeshInput, pattern: KnownPattern) -> np.ndarray:
-    """(3 m, k) phases at the corners of m triangles; inside a triangle they change without jumps of full turns."""
+def _local_waves(
+    mesh: TriangleMesh, triangles: np.ndarray, cluster: np.ndarray, given: MeshInput, pattern: KnownPattern
+) -> np.ndarray:
+    """(3 t, k) phases at the corners of (t, 3) triangles; inside a triangle they change without jumps of full turns."""
     one_form = pattern.one_form
     x, y = given.mesh.tangent_frames
     angles = one_form.angles[:, None] + np.arange(one_form.phase_count) * one_form.turn
@@ -171,7 +181,7 @@ def _local_waves(mesh: TriangleMesh, cluster: np.ndarray, given: MeshInput, patt
     waves = given.at_object(one_form.rates[..., None] * waves)[cluster]
     phases = given.at_object(np.angle(pattern.phases).reshape(angles.shape))[cluster]
     phases += np.einsum("nkx,nx->nk", waves, mesh.vertices - given.at_object(given.mesh.vertices)[cluster])
-    first, *others = mesh.triangles.T
+    first, *others = triangles.T
     corners = [phases[first]]
     for other in others:
         ahead, values = waves[other], phases[other]

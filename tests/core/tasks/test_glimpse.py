@@ -9,12 +9,14 @@ import pytest
 
 from synch_fields.core.fields import Row, boundary_line
 from synch_fields.core.fields.guidance.guides import axis_guide
+from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.process.child import _PictureSender
 from synch_fields.core.tasks.glimpse import FEWEST, glimpse
-from synch_fields.core.tasks.surface_source import PendingGuide
+from synch_fields.core.tasks.surface_source import PendingGuide, SurfaceSource
 from synch_fields.core.tasks.surfaces import Picture
 
-from ..meshes import square, torus
+from ..geometry.test_mirror import quads_of
+from ..meshes import grid_quads, square, torus, torus_points
 from .test_surface_requests import asked, source_of
 
 
@@ -69,6 +71,20 @@ def test_a_glimpse_has_given_phases_on_lines():
     # Vertices of the copy are off the line; the phases of the waves around them are right on it, up to their sign.
     assert len(on_line) > 300 and np.median(np.abs(np.cos(on_line) - np.cos(0.7))) < 0.02
     assert np.quantile(np.abs(np.cos(on_line) - np.cos(0.7)), 0.9) < 0.1
+
+
+@pytest.mark.parametrize("command", ["stripes", "quad_mesh"])
+def test_a_glimpse_with_mirrors_is_its_own_image(command):
+    mesh, polygons = quads_of(torus_points(1.0, 0.4, 240, 100), grid_quads(240, 100, True, True))
+    source = SurfaceSource(MeshInput(mesh, polygons, np.eye(3), mesh, np.arange(mesh.vertex_count)))
+    settings = {"spacing": 0.2, "symmetry": "line"} if command == "stripes" else {"faces": 600, "symmetry": "cross"}
+    picture = glimpse(asked(command, source, mirror="XY", **settings))
+    at = {}
+    for place, phase in zip(picture.places.round(4) + 0.0, np.cos(picture.phases).prod(axis=1), strict=True):
+        at.setdefault(tuple(place), []).append(phase)
+    assert len(at) == mesh.vertex_count
+    off = [np.ptp([*values, *at[-x, y, z], *at[x, -y, z]]) for (x, y, z), values in at.items() if x * y]
+    assert np.median(off) < 1e-3 and np.quantile(off, 0.95) < 0.1
 
 
 @pytest.mark.parametrize("wanted", [{"faces": 600}, {"spacing": 0.32}])
