@@ -15,7 +15,7 @@ from ..extract.quads.measure.quality import quality
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..monitor import Callback
 from ..solution import Clock
-from .quad_drafts import FEW, Draft, complete, may_close_tunnels, settle, with_tunnels_closed
+from .quad_drafts import FEW, Draft, complete, is_sound, may_close_tunnels, settle, with_tunnels_closed
 from .surface_result import SurfaceResult
 
 # Largest relative error of the number of faces without a warning.
@@ -26,6 +26,8 @@ NARROW = 1.008
 MOST_CHANGE = 16.0
 # A traced mesh with more than this many times FEW faces, where fewer than FEW were expected, is not finished.
 SPOILT = 2
+# Relative error of the number of faces beyond which meshes are not finished where tunnels may be closed.
+HOPELESS = 1.0
 # Mean of |angle - 90| over the corners, in degrees, up to which a mesh without narrow tunnels is preferred to one with
 # another number of faces; beyond, only if its corners are better than that one's.
 GOOD_ANGLE = 8.0
@@ -111,13 +113,15 @@ def best_count(
 
     The nearest draft is finished if it is nearer, and others as long as the number of faces is far from the wanted one.
     If it stays far from that, narrow tunnels are closed in a draft whose quads are too large for them, unless that
-    makes bad corners.
+    makes bad corners. If there is one, no time goes into drafts with several times as many faces, or unsound ones.
     """
     trials, refused = found.copy(), refused.copy()
     for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
         nearest = min((trial.misses(faces) for trial in trials), default=np.inf)
         if nearest <= draft.misses(wanted) or (len(trials) > len(found) and nearest <= FAR):
             break
+        if refused and (draft.misses(wanted) > HOPELESS or not is_sound(draft)):
+            continue
         settled = settle(draft)
         try:
             # Corrections that make many small faces of a few large ones are not used.

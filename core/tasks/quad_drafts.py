@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..errors import SettingError
 from ..extract.quads.repair.strips import NEAR, may_meet
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
@@ -120,6 +121,14 @@ def _close(draft: Draft, progress: Callback | None) -> Draft:
 def may_close_tunnels(draft: Draft) -> bool:
     """Whether there are so many quads, and nothing else, that tunnels may be narrower than they are."""
     return draft.request.has_only_quads and draft.face_count >= FEW
+
+
+def is_sound(draft: Draft) -> bool:
+    """Whether the quads before finishing are a mesh of the surface."""
+    try:
+        return len(draft.traced[0].sizes) > 0
+    except SettingError:
+        return False
 
 
 def with_tunnels_closed(draft: Draft) -> Draft:
