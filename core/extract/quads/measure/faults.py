@@ -79,7 +79,7 @@ def _better_count(faces: int, deviation: float, tried: Mapping[int, float]) -> s
     if better:
         nearest = min(better, key=lambda count: abs(count - faces))
         return f", and {others[nearest]:.0f} in a mesh with {nearest} faces that was tried"
-    return f", and not much less in any of {len(others)} other meshes that were tried" if others else ""
+    return ", and not much less in the other meshes that were tried" if others else ""
 
 
 def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:

@@ -22,7 +22,7 @@ from .worst_corners import moving_directions
 # Mean deviation of corners from right angles, in degrees, beyond which the vertices of a quad mesh move.
 BAD_MEAN = 10.0
 # Most rounds, steps of descent in each, and the length of a cell in mean edges.
-ROUNDS, STEPS, CELL = 32, 50, 8.0
+ROUNDS, STEPS, CELL = 32, 100, 8.0
 # It ends when some rounds together lower the mean by less than this share.
 LATEST, ENOUGH = 4, 0.005
 # Samples of the surface for each face.
