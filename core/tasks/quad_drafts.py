@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A quad mesh before it is finished: a pattern whose quads can be counted, corrected, traced and smoothed."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..errors import SettingError
 from ..extract.quads.repair.strips import NEAR, may_meet
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField
@@ -27,10 +29,11 @@ _CLOSING, _SMOOTHING = 0.3, 0.9
 
 @dataclass(frozen=True)
 class Draft:
-    """A result without quads, and its request."""
+    """A result without quads, and its request; ``is_settled`` if corrections would leave it as it is."""
 
     request: "SurfaceRequest"
     result: PatternResult
+    is_settled: bool = False
 
     @cached_property
     def face_count(self) -> float:
@@ -87,19 +90,23 @@ def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callba
 
 def settle(draft: Draft) -> Draft:
     """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
+    if draft.is_settled:
+        return draft
     request, given = draft.request, draft.result.pattern
-    pattern = given
+    pattern, is_settled = given, False
     for _ in range(CORRECTIONS):
         if request.options.method != FIRST or not pattern.dislocations:
+            is_settled = True
             break
         corrected = untangle(pattern, request.options)
         if len(corrected.dislocations) >= len(pattern.dislocations):
+            is_settled = True
             break
         pattern = corrected
     if pattern is given:
-        return draft
+        return replace(draft, is_settled=is_settled)
     solution = replace(pattern.solution, energy=given.problem.energy(pattern.phases))
-    return Draft(request, replace(draft.result, pattern=replace(pattern, solution=solution)))
+    return Draft(request, replace(draft.result, pattern=replace(pattern, solution=solution)), is_settled)
 
 
 def _close(draft: Draft, progress: Callback | None) -> Draft:
@@ -116,19 +123,36 @@ def may_close_tunnels(draft: Draft) -> bool:
     return draft.request.has_only_quads and draft.face_count >= FEW
 
 
+def is_sound(draft: Draft) -> bool:
+    """Whether the quads before finishing are a mesh of the surface."""
+    try:
+        return len(draft.traced[0].sizes) > 0
+    except SettingError:
+        return False
+
+
 def with_tunnels_closed(draft: Draft) -> Draft:
     """The draft with handles closed that are too narrow for its quads."""
     return replace(draft, request=replace(draft.request, closes_tunnels=True))
 
 
-def complete(draft: Draft, progress: Callback | None = None) -> SurfaceResult:
-    """The result of a settled draft: with its loops closed, traced, near its wanted number of faces, and smoothed."""
-    return finish(_close(draft, progress), progress, draft.request.settings.faces)
+def complete(
+    draft: Draft, progress: Callback | None = None, later: list[Callable[[], QuadMesh]] | None = None
+) -> SurfaceResult:
+    """The result of a settled draft: with its loops closed, traced, near its wanted number of faces, and smoothed;
+    ``later`` as of :meth:`SurfaceRequest.finish`."""
+    return finish(_close(draft, progress), progress, draft.request.settings.faces, later)
 
 
-def finish(draft: Draft, progress: Callback | None = None, wanted: int = 0) -> SurfaceResult:
-    """The result with its quads, and the settings with which they were made; ``wanted`` as of :func:`finish_quads`."""
+def finish(
+    draft: Draft,
+    progress: Callback | None = None,
+    wanted: int = 0,
+    later: list[Callable[[], QuadMesh]] | None = None,
+) -> SurfaceResult:
+    """The result with its quads, and the settings with which they were made; ``wanted`` and ``later`` as of
+    :meth:`SurfaceRequest.finish`."""
     Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
     settled = {"spacing": request.spacing, "singularities": request.settings.singularities}
-    return replace(draft.result, **request.finish(*draft.traced, wanted), settled=settled)
+    return replace(draft.result, **request.finish(*draft.traced, wanted, later), settled=settled)

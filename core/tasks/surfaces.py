@@ -317,15 +317,21 @@ class SurfaceRequest:
             quads = sound_quads(quads, self.given.mesh if side is None else side.mesh, self.closes_tunnels)
         return quads, clock.seconds
 
-    def finish(self, quads: QuadMesh, seconds: dict[str, float], wanted: float = 0) -> _Finished:
-        """The finished mesh of a traced one, and the seconds of tracing and finishing; ``wanted`` as of
-        :func:`finish_quads`."""
+    def finish(
+        self,
+        quads: QuadMesh,
+        seconds: dict[str, float],
+        wanted: float = 0,
+        later: list[Callable[[], QuadMesh]] | None = None,
+    ) -> _Finished:
+        """The finished mesh of a traced one, and the seconds of tracing and finishing; ``wanted`` and ``later`` as of
+        :func:`finish_quads`, the latter without mirror planes only."""
         clock, side = Clock(), self.mirror_side
         clock.add(seconds)
         with clock("extract"):
             rules = self.rows, self.settings.smoothing, self.has_only_quads, self.closes_tunnels
             if side is None:
-                quads = finish_quads(quads, self.given.mesh, *rules, wanted=wanted)
+                quads = finish_quads(quads, self.given.mesh, *rules, wanted=wanted, later=later)
             else:
                 quads = side.finish(quads, *rules, wanted)
         return {"quads": quads, "seconds": clock.seconds}

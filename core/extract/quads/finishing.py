@@ -19,7 +19,7 @@ from .repair.quad_collapse import collapse_quads
 from .repair.strips import Rules, meet_count
 from .repair.tip_recovery import recover_tips
 from .smooth.fitting import fit_quads, keep_better, part_vertices
-from .smooth.mean_angles import lower_mean_angle
+from .smooth.mean_angles import BAD_MEAN, lower_mean_angle, mean_angle
 from .smooth.worst_corners import move_worst_corners
 from .trace.quad_mesh import QuadMesh
 
@@ -42,6 +42,7 @@ def finish_quads(
     closes_tunnels: bool = False,
     apart: Callable[[QuadMesh], np.ndarray] | None = None,
     wanted: float = 0,
+    later: list[Callable[[], QuadMesh]] | None = None,
 ) -> QuadMesh:
     """The quad mesh put onto its surface's features, and with faces as near to squares as possible.
 
@@ -57,6 +58,8 @@ def finish_quads(
     closes_tunnels : whether handles of a closed surface may be lost
     apart : tells the (n,) bool vertices of a quad mesh that no new edge may join to one another
     wanted : number of faces for which strips of quads are added or removed, as far as these exist; 0 for any number
+    later : gets a function that makes the mesh with the last step, which takes long where corners are bad and is then
+        not done; optional
 
     Errors as :func:`check_quads`.
     """
@@ -91,7 +94,14 @@ def finish_quads(
     apart_vertices = () if apart is None else np.flatnonzero(apart(quads))
     quads, kept = mend_bad_corners(quads, mesh, free, chains, apart_vertices)
     free, chains = free[kept], chains and chains.of_vertices(kept)
-    return part_vertices(lower_mean_angle(quads, mesh, free, chains), mesh, ~free)
+
+    def lowered() -> QuadMesh:
+        return part_vertices(lower_mean_angle(quads, mesh, free, chains), mesh, ~free)
+
+    if later is None or mean_angle(quads) <= BAD_MEAN:
+        return lowered()
+    later.append(lowered)
+    return part_vertices(quads, mesh, ~free)
 
 
 def _carry(chains: Chains, quads: QuadMesh, origins: np.ndarray, is_final: bool) -> Chains | None:

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faults of a quad mesh, described for the user."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from ....geometry import TriangleMesh
@@ -17,12 +20,22 @@ FARTHEST = 1.0
 FOLDED = 0.01
 # Largest mean of |angle - 90| over the corners, in degrees, of meshes with at least so many faces, most of them quads.
 WORST_ANGLE, FEWEST_FACES = 12.0, 100
+# Share of this mean below which another mesh is called better.
+BETTER = 0.9
 # What to do about faults, in messages.
 REMEDY = "ask for more faces, or a smaller spacing"
 
 
-def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str, ...]:
-    """A line for each fault of a quad mesh on a surface; ``closed`` if the surface has no boundary."""
+def quad_faults(
+    quads: QuadMesh, mesh: TriangleMesh, closed: bool, tried: Mapping[int, float] = MappingProxyType({})
+) -> tuple[str, ...]:
+    """A line for each fault of a quad mesh on a surface.
+
+    Parameters
+    ----------
+    closed : whether the surface has no boundary
+    tried : mean |angle - 90| of meshes of the surface that were tried, in degrees, by their numbers of faces
+    """
     figures = quality(quads)
     lengths = quads.edge_lengths
     short = len(quads.edges_without_length)
@@ -39,7 +52,8 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
         (
             figures["angle_deviation"] > WORST_ANGLE and figures["quad_share"] > 0.5 and faces >= FEWEST_FACES,
-            f"corners are {figures['angle_deviation']:.0f} degrees off right angles on average",
+            f"corners are {figures['angle_deviation']:.0f} degrees off right angles on average"
+            + _better_count(faces, figures["angle_deviation"], tried),
         ),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
         (lost > 0, f"{lost} of {handles} tunnels or handles of the surface are narrower than the quads and left out"),
@@ -55,6 +69,17 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
         ),
     )
     return tuple(f"{line}: {REMEDY}" for is_there, line in found if is_there)
+
+
+def _better_count(faces: int, deviation: float, tried: Mapping[int, float]) -> str:
+    """What to say about other meshes that were tried: of more than a tenth less in the mean, the one that is nearest
+    in number."""
+    others = {count: mean for count, mean in tried.items() if count != faces}
+    better = [count for count, mean in others.items() if mean < BETTER * deviation]
+    if better:
+        nearest = min(better, key=lambda count: abs(count - faces))
+        return f", and {others[nearest]:.0f} in a mesh with {nearest} faces that was tried"
+    return ", and not much less in the other meshes that were tried" if others else ""
 
 
 def count_lost_handles(quads: QuadMesh, mesh: TriangleMesh) -> tuple[int, int]:

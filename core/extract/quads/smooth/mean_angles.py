@@ -22,7 +22,7 @@ from .worst_corners import moving_directions
 # Mean deviation of corners from right angles, in degrees, beyond which the vertices of a quad mesh move.
 BAD_MEAN = 10.0
 # Most rounds, steps of descent in each, and the length of a cell in mean edges.
-ROUNDS, STEPS, CELL = 32, 50, 8.0
+ROUNDS, STEPS, CELL = 32, 100, 8.0
 # It ends when some rounds together lower the mean by less than this share.
 LATEST, ENOUGH = 4, 0.005
 # Samples of the surface for each face.
@@ -42,7 +42,7 @@ def lower_mean_angle(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chai
 
     Arguments as of :func:`.fitting.fit_quads`. In no cell more corners are turned over than before.
     """
-    means = [_mean(quads)]
+    means = [mean_angle(quads)]
     if means[0] <= BAD_MEAN:
         return quads
     lines, ground, side = sliding_lines(free, chains), Ground.of(mesh, quads), float(quads.edge_lengths.mean())
@@ -53,13 +53,13 @@ def lower_mean_angle(quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, chai
             patches = Patches.of(quads, ground, moving)
             moves = patches.descend(moving_directions(quads, mesh, moving, lines, chains), STEPS, patches.means)
             quads, _ = patches.move_better(moves, PARTS, lines, chains, _judge(patches, side))
-        means.append(_mean(quads))
+        means.append(mean_angle(quads))
         if number + 1 >= LATEST and means[-1] > (1 - ENOUGH) * means[number + 1 - LATEST]:
             break
     return quads
 
 
-def _mean(quads: QuadMesh) -> float:
+def mean_angle(quads: QuadMesh) -> float:
     """Mean deviation of the corners from those of regular faces, in degrees."""
     return float(np.abs(corner_angles(quads) - regular_degrees(quads.sizes)[quads.corner_faces]).mean())
 
