@@ -86,7 +86,7 @@ def draw_guide(column, made):
     """What lines follow, beyond what stands on top; of a quad mesh these settings are those of its source."""
     obj = original_of(made)
     settings = obj.synch
-    if obj.synch_simple.direction != "STROKES" and obj == made:
+    if obj.synch_simple.direction != "STROKES":
         draw_strokes(column)
     if obj.synch_simple.direction == "OTHER":
         draw_guidance(column, settings)
@@ -152,7 +152,7 @@ def draw_main(layout, obj):
     column.prop(source.synch_simple, "direction")
     if source.synch_simple.direction == "AXIS":
         column.row().prop(source.synch.guide, "axis", expand=True)
-    if simple.direction == "STROKES" and not again:
+    if source.synch_simple.direction == "STROKES":
         draw_strokes(column)
     if simple.direction == "OTHER" and is_simple():
         column.label(text="Guides: Advanced, Guide", icon="BLANK1")
