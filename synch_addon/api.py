@@ -30,7 +30,7 @@ from ..core.validation import convert_value, from_names
 from .bakes.job import BakeJob
 from .blender import field_files, meshes
 from .blender.objects import Selection
-from .blender.pattern_surface import surface_of
+from .blender.pattern_surface import is_of_modifiers, surface_of
 from .blender.transaction import whole_or_nothing
 from .flows.choice import choose_point as choose_point
 from .flows.files import filament_export as filament_export
@@ -210,7 +210,7 @@ def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothin
         report = solved.report.for_another_result("quad_mesh")
         report.take(found)
         report.asked = replace(report.asked, pins=report.settings.pins)  # on the faces that the object has now
-        return write_quads(obj, request, found, report, Selection.now(), surface_of(obj))
+        return write_quads(obj, request, found, report, Selection.now(), surface_of(obj), is_of_modifiers(obj))
 
 
 def isolines(obj: bpy.types.Object, **settings: Unpack[LineKeywords]) -> Json:

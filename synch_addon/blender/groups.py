@@ -44,3 +44,10 @@ def write_weights(obj, name, weights):
     group = obj.vertex_groups.new(name=name)
     for vertex in np.flatnonzero(weights > 0).tolist():
         group.add([vertex], float(weights[vertex]), "REPLACE")
+
+
+def set_weights(obj, name, weights):
+    """Give a vertex group, which is made if need be, (n,) weights."""
+    group = obj.vertex_groups.get(name) or obj.vertex_groups.new(name=name)
+    for vertex in np.flatnonzero(weights != read_weights(obj, name)).tolist():
+        group.add([vertex], float(weights[vertex]), "REPLACE")

@@ -97,6 +97,8 @@ PARENTS = tuple(
 SOURCE_FACE = Attribute("synch_source_face", "FACE", "INT", "likewise: face of the object that a face is part of")
 WEIGHTS = Attribute("synch_weights", "POINT", "FLOAT_VECTOR", "likewise: weights of these vertices, which add up to 1")
 
+MAPPED = Attribute("synch_spacing_map", "POINT", "FLOAT", "quad mesh: weights of its spacing map, before it is painted on")
+
 # The attributes of each kind of pattern; those that determine it, which a favourite keeps; and those that each frame of
 # an animation stores, since places are the same in all frames.
 PATTERNS = {
@@ -108,7 +110,7 @@ FRAMED = {
     kind: (*(a for a in own if a not in (BARYCENTRIC, SPACING_ERROR, *KEPT[kind])), DIRECTION)
     for kind, own in PATTERNS.items()
 }
-_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH, *PARENTS, WEIGHTS, SOURCE_FACE
+_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH, *PARENTS, WEIGHTS, SOURCE_FACE, MAPPED
 ATTRIBUTES = tuple(dict.fromkeys((DIRECTION, *PATTERNS["stripes"], *PATTERNS["quads"], *_OTHERS)))
 _NUMBERS = re.compile(rf"(?<=\.)-?\d+$|(?<={PREFIX}favourite_)\d+")
 _LAYOUTS = {a.name: a.layout for a in ATTRIBUTES}

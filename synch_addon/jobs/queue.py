@@ -17,6 +17,8 @@ from .worker import Worker, WorkerGone
 
 # Most that the time of one job counts, as a factor of what was expected.
 _FAR = 10.0
+# Seconds up to which the first work of a kind says little about longer ones.
+_SOON = 1.0
 # Most of what is left that the bar shows as done before the next report.
 _GUESSED = 0.6
 # Letters of a stage that fit into the progress bar beside a time, and seconds from which on times are in minutes.
@@ -148,14 +150,16 @@ class Work:
     @classmethod
     def seconds_here(cls, label, seconds):
         """Seconds on this machine of work that is estimated at ``seconds`` on one core, as learned for its label."""
-        return seconds * cls._paces.get(label, 1.0)
+        return seconds * cls._paces.get(_kind(label), 1.0)
 
     def _learn(self):
         """Note at its end how long such work takes on this machine."""
         if self._told is not None and not self.is_kept:
             begun, seconds = self._told
             measured = min(max((self.age - begun) / seconds, 1 / _FAR), _FAR)
-            self._paces[self.label] = math.sqrt(self._paces.get(self.label, 1.0) * measured)
+            kind = _kind(self.label)
+            before = self._paces.get(kind, measured if seconds > _SOON else 1.0)
+            self._paces[kind] = math.sqrt(before * measured)
 
     @property
     def share(self):
@@ -224,6 +228,11 @@ class Work:
         """Seconds that have passed, and about how many are left, where they can be estimated."""
         passed, left = as_time(self.age), self._left
         return passed if left is None else f"{passed}, {translate('about {left} left', left=as_time(left))}"
+
+
+def _kind(label):
+    """Label of the work that takes as long: a quad mesh takes as long again."""
+    return label.removesuffix(" Again")
 
 
 def as_time(seconds):

@@ -49,6 +49,7 @@ register, unregister = register_all(
         bake.SYNCH_OT_bake,
         copy_settings.SYNCH_OT_copy_settings,
         painting.SYNCH_OT_paint_map,
+        painting.SYNCH_OT_done_painting,
         refine.SYNCH_OT_refine,
         samples.SYNCH_OT_add_sample,
         layers.SYNCH_OT_layers,

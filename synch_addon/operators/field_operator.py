@@ -105,8 +105,9 @@ class BackgroundOperator:
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """The window or the file is being closed."""
-        queue.cancel(self._work)
+        """The window, the file or the choice of a file is being closed."""
+        if self._work is not None:
+            queue.cancel(self._work)
 
     def _reporting(self, step, context):
         """Run a step; an error becomes one line and CANCELLED."""

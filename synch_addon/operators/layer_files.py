@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that bring the last layers out of Blender: mesh files, tool paths, and a volume."""
 
+import os
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
@@ -11,6 +13,7 @@ from ..jobs.queue import queue
 from ..jobs.report import count_text
 from ..panels.setting_rows import draw_setting, property_column
 from ..solids import memory
+from ..solids.files import PATH_SUFFIXES
 from ..solids.links import solid_of
 from ..solids.outputs import PathsJob, VolumeJob, machine_of
 from ..solids.report import print_line
@@ -86,14 +89,24 @@ class _LayerOperator:
         return reason is None
 
 
-class _FileOperator(_LayerOperator, BackgroundOperator, ExportHelper):
+class _NamedFile(ExportHelper):
+    """Mixed into operators that ask for a file: it is offered the name of the object, beside the .blend."""
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            name = bpy.path.clean_name(solid_of(context.active_object).name) + self.filename_ext
+            self.filepath = os.path.join(os.path.dirname(bpy.data.filepath), name)
+        return super().invoke(context, event)
+
+
+class _FileOperator(_LayerOperator, BackgroundOperator, _NamedFile):
     """Mixed into operators that solve for a file, once the user has named it."""
 
     _is_asked = False
 
     def invoke(self, context, event):
         self._is_asked = True
-        return ExportHelper.invoke(self, context, event)
+        return _NamedFile.invoke(self, context, event)
 
     def execute(self, context):
         """From the window, when the file is named, solve in the background; from a script to the end."""
@@ -103,7 +116,7 @@ class _FileOperator(_LayerOperator, BackgroundOperator, ExportHelper):
         return super().execute(context)
 
 
-class SYNCH_OT_layer_export(_LayerOperator, PromptOperator, ExportHelper, bpy.types.Operator):
+class SYNCH_OT_layer_export(_NamedFile, _LayerOperator, PromptOperator, bpy.types.Operator):
     """Write the layers to mesh files, numbered from bottom to top (.stl, .ply or .obj)"""
 
     bl_idname = "synch.layer_export"
@@ -156,19 +169,35 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     bl_label = "Export Tool Paths"
     bl_options = {"REGISTER", "UNDO"}
 
-    filename_ext = ".csv"
+    filename_ext = ".gcode"
     filter_glob: StringProperty(default="*.csv;*.obj;*.gcode", options={"HIDDEN"})
+    format: EnumProperty(
+        name="Format",
+        description="What is written; the file's suffix says the same",
+        items=[
+            (".gcode", "Printer's Program", "G-code for a printer (.gcode)"),
+            (".csv", "Table", "Places, normals, heights and widths (.csv)"),
+            (".obj", "Polylines", "Lines for other programs (.obj)"),
+        ],
+    )
     fill: _FILL
     step: _STEP
     machine: _MACHINE
     infill: _INFILL
+    _checked = filename_ext
 
     def draw(self, _context):
-        _draw_paths(self.layout, self, ("fill", "step", "machine", "infill"))
+        _draw_paths(self.layout, self, ("format", "fill", "step", "machine", "infill"))
 
-    def check(self, context):
-        """Keep the suffixes .obj and .gcode, which the helper would replace."""
-        return not self.filepath.lower().endswith((".obj", ".gcode")) and super().check(context)
+    def check(self, _context):
+        """Keep format and suffix alike: of the two, what was changed last counts."""
+        before, (stem, suffix) = (self.filepath, self.format), os.path.splitext(self.filepath)
+        if self.format == self._checked and suffix.lower() in PATH_SUFFIXES:
+            self.format = suffix.lower()
+        elif suffix.lower() != self.format:
+            self.filepath = (stem if suffix.lower() in PATH_SUFFIXES else self.filepath) + self.format
+        self._checked = self.format
+        return (self.filepath, self.format) != before
 
     def _job(self, context):
         return PathsJob(

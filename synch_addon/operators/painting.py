@@ -7,6 +7,8 @@ from bpy.props import EnumProperty
 from ..blender.groups import is_group
 from ..blender.objects import set_mode
 from ..panels.row_operators import can_set
+from ..patterns.painted_back import paint_back
+from ..settings.fields import source_of
 from ..settings.painting import MAPS
 
 _TARGETS = (
@@ -50,4 +52,24 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
                 setattr(settings, chosen.full, _FINER)
         obj.vertex_groups.active = obj.vertex_groups[name]
         set_mode(obj, "WEIGHT_PAINT")
+        return {"FINISHED"}
+
+
+class SYNCH_OT_done_painting(bpy.types.Operator):
+    """Go back to object mode; what was painted on a quad mesh counts when it is made again"""
+
+    bl_idname = "synch.done_painting"
+    bl_label = "Done Painting"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "PAINT_WEIGHT"
+
+    def execute(self, context):
+        made = context.active_object
+        set_mode(made, "OBJECT")
+        source = source_of(made)
+        if source is not None and source.is_editable and source.data.is_editable:
+            paint_back(made, source)
         return {"FINISHED"}

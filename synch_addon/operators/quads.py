@@ -5,6 +5,7 @@ import bpy
 
 from ..blender.meshes import refusal
 from ..patterns.job import FieldJob
+from ..patterns.painted_back import paint_back
 from ..settings.fields import (
     DIRECTED_NAMES,
     MESH_NAMES,
@@ -64,6 +65,7 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
     def _job(self, context):
         made = context.active_object
         source = source_of(made)
+        paint_back(made, source)
         is_set = self.properties.is_property_set
         if is_set("spacing") and not is_set("faces"):
             self.faces = 0

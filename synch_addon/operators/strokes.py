@@ -2,7 +2,7 @@
 """Operators that are a drag of the mouse, from the press of a button to its release: those of the tool that draws
 guide strokes.
 
-Nothing of strokes is changed before the release: Esc leaves no trace, and each drag is one step of undo.
+On a quad mesh they are drawn for the object that it was made of. Nothing of strokes is changed before the release: Esc leaves no trace, and each drag is one step of undo.
 """
 
 import bpy
@@ -19,6 +19,7 @@ from ..panels.overlay_view import distances_on_screen
 from ..panels.strokes import view
 from ..patterns import guide_strokes
 from ..patterns.picking import PickedSurface
+from ..settings.fields import original_of
 from .picking import ray_under
 
 # In pixels: step between places that are sampled; distance of two samples at which a line is split; largest distance of
@@ -107,7 +108,7 @@ class StrokeOperator:
     def _near(self, context, obj, mouse):
         """Visible strokes near the pointer, each with its points and their (p,) distances from it in pixels."""
         near = []
-        for stroke in guide_strokes.strokes_of(obj):
+        for stroke in guide_strokes.strokes_of(original_of(obj)):
             line = view.changed.get(stroke.key, stroke.points)
             if line is None:
                 continue
@@ -158,8 +159,8 @@ class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
         if not lines:
             return None
         strokes = context.scene.synch_strokes
-        guide_strokes.add(obj, lines, strokes.wish, strokes.weight)
-        return translate("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
+        guide_strokes.add(original_of(obj), lines, strokes.wish, strokes.weight)
+        return _count(obj)
 
 
 class SYNCH_OT_erase_strokes(StrokeOperator, bpy.types.Operator):
@@ -174,8 +175,8 @@ class SYNCH_OT_erase_strokes(StrokeOperator, bpy.types.Operator):
     def finish(self, context, obj):
         if not view.changed:
             return None
-        guide_strokes.remove(obj, list(view.changed))
-        return translate("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
+        guide_strokes.remove(original_of(obj), list(view.changed))
+        return _count(obj)
 
 
 class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
@@ -200,8 +201,12 @@ class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
             line = self._surface.nearest(line)
             pixel = pixel_size(context, obj.matrix_world, self._last, line[len(line) // 2])
             lines[key] = line[simplify_polyline(line, _OFF * pixel, _PIECE * pixel)]
-        guide_strokes.replace(obj, lines)
+        guide_strokes.replace(original_of(obj), lines)
         return translate("{count} strokes smoothed", count=len(lines))
+
+
+def _count(obj):
+    return translate("{count} strokes on {name}", count=len(guide_strokes.strokes_of(original_of(obj))), name=obj.name)
 
 
 def pixel_size(context, matrix, mouse, place):

@@ -42,7 +42,7 @@ def draw_painting(layout, context):
     column.prop(brush, "angle" if target == "ANGLE" else "factor")
     column.prop(settings, chosen.full, text="Range")
     box.label(text=_painted_line(context, settings, target), translate=False)
-    box.operator("object.mode_set", text="Done Painting", icon="CHECKMARK").mode = "OBJECT"
+    box.operator("synch.done_painting", icon="CHECKMARK")
     return True
 
 

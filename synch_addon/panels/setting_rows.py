@@ -48,7 +48,8 @@ def draw_setting(column, settings, name, zero="", text=None):
     split.use_property_split = False
     label, row = split.row(), split.row(align=True)
     label.alignment = "RIGHT"
-    label.label(text=settings.bl_rna.properties[name].name if text is None else text)
+    owner = getattr(settings, "properties", settings)  # where an operator has its own
+    label.label(text=owner.bl_rna.properties[name].name if text is None else text)
     row.prop(settings, name, text="")
     row.label(text=zero)
 

@@ -86,7 +86,7 @@ def draw_guide(column, made):
     """What lines follow, beyond what stands on top; of a quad mesh these settings are those of its source."""
     obj = original_of(made)
     settings = obj.synch
-    if obj.synch_simple.direction != "STROKES" and obj == made:
+    if obj.synch_simple.direction != "STROKES":
         draw_strokes(column)
     if obj.synch_simple.direction == "OTHER":
         draw_guidance(column, settings)
@@ -152,7 +152,7 @@ def draw_main(layout, obj):
     column.prop(source.synch_simple, "direction")
     if source.synch_simple.direction == "AXIS":
         column.row().prop(source.synch.guide, "axis", expand=True)
-    if simple.direction == "STROKES" and not again:
+    if source.synch_simple.direction == "STROKES":
         draw_strokes(column)
     if simple.direction == "OTHER" and is_simple():
         column.label(text="Guides: Advanced, Guide", icon="BLANK1")
@@ -166,13 +166,18 @@ def draw_main(layout, obj):
 def draw_spacing(column, simple, settings):
     """How far lines are apart, as a length and as lines across the object; a length that is set is no longer
     automatic."""
-    row = column.row(align=True)
-    row.prop(simple, "lines")
-    row.prop(simple, "automatic_spacing", text="Auto", toggle=True)
+    if not (simple.kind == "quad_mesh" and settings.automatic_spacing):  # the face count is enough
+        _draw_lines(column, simple)
     if settings.automatic_spacing:
         draw_told(column, simple.kind, original_of(simple.id_data))
     else:
         column.prop(settings, "spacing")
+
+
+def _draw_lines(column, simple):
+    row = column.row(align=True)
+    row.prop(simple, "lines")
+    row.prop(simple, "automatic_spacing", text="Auto", toggle=True)
 
 
 def draw_solver(layout, settings):
@@ -300,6 +305,8 @@ class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
         kind, settings, column = obj.synch_simple.kind, obj.synch, property_column(self.layout)
         own = {name: skip for name in ("spacing", "branching", "faces", *(("loops",) if source_of(obj) else ()))}
         own["spacing_map"] = lambda column: draw_map(column, settings, "SPACING")
+        if kind == "quad_mesh" and settings.automatic_spacing and not settings.faces:
+            _draw_lines(column, obj.synch_simple)
         groups = {"pattern": True, "quads": kind in {"quads", "quad_mesh"}, "quad_mesh": kind == "quad_mesh"}
         groups["faces"] = kind != "quad_mesh" and len(obj.data.materials) > 1
         for group in [group for group, is_meant in groups.items() if is_meant]:

@@ -11,6 +11,7 @@ from gpu_extras.batch import batch_for_shader
 from ..blender.registration import Registration
 from ..jobs.lru_cache import LruCache
 from ..patterns.guide_strokes import state_of, strokes_of
+from ..settings.fields import original_of
 from .guides import TOOL, is_drawing
 from .overlay import WISH_COLORS
 from .overlay_view import nearer
@@ -73,8 +74,9 @@ class _View:
         bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
 
     def lines_of(self, obj):
-        """[(points, colour)] of the strokes as they are now: (p, 3) in the object's space."""
-        strokes = _read.renewed(obj.session_uid, state_of(obj), lambda: strokes_of(obj))
+        """[(points, colour)] of the strokes as they are now, of a quad mesh its source's: (p, 3) in the object's space."""
+        owner = original_of(obj)
+        strokes = _read.renewed(owner.session_uid, state_of(owner), lambda: strokes_of(owner))
         lines = [(self.changed.get(s.key, s.points), WISH_COLORS[s.wish]) for s in strokes]
         lines.append((self.path, WISH_COLORS[bpy.context.scene.synch_strokes.wish]))
         return [(points, colour) for points, colour in lines if points is not None and len(points) > 1]

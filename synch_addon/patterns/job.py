@@ -20,7 +20,7 @@ from ..jobs.report import Report
 from ..reading.refinement import refinement_of, solved_object
 from ..reading.surface import gather, settings_for
 from ..settings.fields import mesh_values
-from . import frame_attributes, made_from, memory, numbers, own_surface, quad_mesh, write
+from . import frame_attributes, made_from, memory, numbers, own_surface, painted_back, quad_mesh, write
 from .curves_read import curves_read
 
 
@@ -74,7 +74,9 @@ class FieldJob:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
                     replaced = None if self.replaced is None else self.replaced.found
                     with nullcontext() if replaced is None else meshes.object_mode(replaced):
-                        return write_quads(obj, request, result, self._report, self._selection, surface, replaced)
+                        is_seen = self._refinement is not None and self._refinement.is_seen
+                        chosen = self._report, self._selection
+                        return write_quads(obj, request, result, *chosen, surface, is_seen, replaced)
             own_surface.bind(obj, self._refinement, self._report.warn)
             _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
             if hasattr(obj, "synch") and obj.synch.pins == self._report.asked.pins != self._pins:
@@ -161,12 +163,12 @@ def _remember(obj, solved, instead=False):
     memory.remember(obj, line, solved, instead)
 
 
-def write_quads(obj, request, result, report, selection, surface, replaced=None) -> Json:
+def write_quads(obj, request, result, report, selection, surface, is_seen, replaced=None) -> Json:
     """Make the quad mesh's object, or give ``replaced`` its faces, with what the object ``surface`` carries that was
-    solved on; returns the report."""
+    solved on, which shows what modifiers make of the object or not; returns the report."""
     with report.clock("write"):
         defects = write.reported_defects(obj, request, result.field, result.pattern)
-        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface, replaced)
+        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface, is_seen, replaced)
         if result.loops_before is not None:
             report.quad_mesh["loops_before"] = result.loops_before
     plain = report.finish(result.field, result.pattern, defects)
@@ -175,6 +177,7 @@ def write_quads(obj, request, result, report, selection, surface, replaced=None)
         spacing = plain["settings"]["spacing"]
         for name, value in mesh_values(report.asked, spacing).items() if report.made_from else ():
             assign(made.synch, name, value)
+        painted_back.note_map(made)
         asked = asdict(report.asked) | {"spacing": spacing}
         assign(made.synch, "made_from", report.made_from)
         assign(made.synch, "result", result_line(plain | {"carrier": {}, "settings": asked}))  # it is a surface

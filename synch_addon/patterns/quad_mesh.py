@@ -20,12 +20,17 @@ from ..settings.fields import STORED_NAMES
 
 # How far from a corner, towards the middle of its face, the values of corners are read: on the face's side of a seam.
 _INSIDE = 0.05
+# Places along an edge that have to be near to a sharp one, and how near, as shares of its length.
+_ALONG, _NEAR = (0.1, 0.5, 0.9), 0.1
+# Modifiers that bend any mesh alike, whatever its faces.
+_BENDING = {"ARMATURE", "CAST", "CURVE", "LATTICE", "SIMPLE_DEFORM", "WARP"}
 
 
-def write(obj, request, quads, selection, carrying, replaced=None):
+def write(obj, request, quads, selection, carrying, is_seen, replaced=None):
     """Make the object, show it instead of the given one, and return its figures for the report.
 
     ``carrying`` is the object whose mesh was solved on: the given one, or one with a surface of the pattern's own.
+    ``is_seen`` says whether modifiers have shaped it: else those that only bend it bend the new one, too.
     ``replaced`` is an earlier quad mesh of the object, which gets the new faces.
     """
     mesh = request.given.mesh
@@ -35,6 +40,9 @@ def write(obj, request, quads, selection, carrying, replaced=None):
     data = new_mesh(f"{obj.data.name} Quads", points, quads.corner_vertices, quads.sizes, smooth=True)
     if replaced is None:
         made = _new_object(obj, data)
+        for modifier in () if is_seen else obj.modifiers:
+            if modifier.type in _BENDING:
+                _copy(modifier, made)
     else:
         made = replaced
         assign(made, "data", data)
@@ -68,6 +76,14 @@ def _new_object(obj, data):
     return made
 
 
+def _copy(modifier, made):
+    """Give an object a modifier like another one's."""
+    copy = made.modifiers.new(modifier.name, modifier.type)
+    for setting in modifier.bl_rna.properties:
+        if not setting.is_readonly:
+            setattr(copy, setting.identifier, getattr(modifier, setting.identifier))
+
+
 def _carry(obj, made, given, quads, centres, under, surface):
     """Materials, vertex groups and attributes go over: those of vertices and corners interpolated, those of faces from
     the face under the middle. Where a quad lies across a UV seam its coordinates are those of both sides."""
@@ -99,6 +115,20 @@ def _carry(obj, made, given, quads, centres, under, surface):
         attributes.write_attribute(made, name, domain, data_type, values)
     attributes.show_same_maps(obj, made)
     carry_groups(obj, made, corners, quads.weights)
+    _mark_sharp(obj, made)
+
+
+def _mark_sharp(obj, made):
+    """Mark the edges along those that are marked sharp on the given mesh, so that both are shaded alike."""
+    marked = attributes.read_marked_edges(obj, "sharp")
+    if len(marked) == 0:
+        return
+    lines = NearestTriangles(meshes.measured_places(obj), marked[:, [0, 1, 1]])
+    ends = meshes.measured_places(made)[attributes.read_values(made, ".edge_verts", "EDGE")]
+    ways = ends[:, 1] - ends[:, 0]
+    places = ends[:, :1] + np.array(_ALONG)[None, :, None] * ways[:, None]
+    apart = np.linalg.norm(lines.nearest(places.reshape(-1, 3))[0].reshape(places.shape) - places, axis=2).max(axis=1)
+    attributes.write_attribute(made, "sharp_edge", "EDGE", "BOOLEAN", apart <= _NEAR * np.linalg.norm(ways, axis=1))
 
 
 def _show_instead(obj, made, selection):

@@ -222,6 +222,8 @@ def draw_told(column, command, obj):
     told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
     if told is not None:
         text = "About {length} for two quads" if lines_in_period(command) == 2 else "About {length} apart"
+        if command == "quad_mesh":
+            told, text = told / lines_in_period(command), "Edges of about {length}"
         column.label(text=translate(text, length=as_length(told)), icon="BLANK1", translate=False)
 
 

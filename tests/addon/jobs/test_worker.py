@@ -89,6 +89,20 @@ def test_the_start_of_the_process_says_nothing_about_the_pace(monkeypatch):
     assert work.times == "6 s, about 8 s left"
 
 
+def test_the_first_work_of_a_kind_teaches_how_long_the_next_one_takes(monkeypatch):
+    """A mesh of quads that took five times as long as expected takes five times as long again."""
+    now = [100.0]
+    monkeypatch.setattr(queue_module, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(Work, "_paces", {})
+    work = Work(SimpleNamespace(link=None), "Quad Mesh")
+    work.begin()
+    work.hear("expect", 12.0)
+    now[0] += 60.0
+    work.hear("done", None, None)
+    assert Work.seconds_here("Quad Mesh Again", 10.0) == pytest.approx(50.0)
+    assert Work.seconds_here("Stripes", 10.0) == 10.0
+
+
 def test_the_bar_moves_steadily_between_two_reports(monkeypatch):
     """Where the work tells nothing for a while, as a factorization does, time goes on."""
     now = [100.0]

@@ -3,7 +3,9 @@
 """What panels say of settings whose 0 is no number like others."""
 
 import re
+from types import SimpleNamespace
 
+import bpy
 import pytest
 
 from synch_fields.core.settings.bake import BakeSettings
@@ -60,3 +62,11 @@ def test_a_number_that_is_only_small_has_none():
     obj.synch.smoothing, layout = 0, Layout()
     draw_setting(layout, obj.synch, "smoothing", dict(records(SurfaceSettings))["smoothing"].zero)
     assert layout.drawn == ["smoothing"]
+
+
+def test_an_operator_says_it_too():
+    """Its settings are in its ``properties``, and not among those that all operators have."""
+    kind = bpy.ops.synch.layer_toolpaths.get_rna_type()
+    operator = SimpleNamespace(bl_rna=bpy.types.Operator.bl_rna, properties=SimpleNamespace(bl_rna=kind), step=0.0)
+    draw_setting(layout := Layout(), operator, "step", "As layers")
+    assert layout.drawn == ["says Step", "step", "says As layers"]

@@ -73,7 +73,10 @@ def test_there_is_one_button_and_it_makes_what_was_chosen(chosen):
         )
         assert {"panel", "kind", "direction"} <= set(names)
     obj.synch_simple.kind = "quad_mesh"
-    assert {"faces", "automatic_spacing", "mesh_branching"} <= set(drawn())
+    assert {"faces", "faces_auto", "mesh_branching"} <= set(drawn())
+    assert not {"lines", "automatic_spacing"} & set(drawn())  # one automatic number is enough
+    obj.synch.automatic_spacing = False
+    assert {"faces", "lines", "automatic_spacing"} <= set(drawn())
     obj.synch.faces = 500
     assert "automatic_spacing" not in drawn()
 

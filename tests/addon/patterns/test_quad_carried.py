@@ -222,3 +222,59 @@ def test_names_that_blender_hides_stay_behind():
     obj.data.attributes.new("weights of edges", "FLOAT", "EDGE")
     made, _ = made_from(obj, spacing=0.7)
     assert ".hidden" not in made.data.attributes and "weights of edges" not in made.data.attributes
+
+
+def sharp_edges(obj):
+    """(k, 2, 3) ends of the edges that are marked sharp."""
+    marked = attribute(obj, "sharp_edge")
+    ends = np.array([edge.vertices[:] for edge in obj.data.edges])
+    return places(obj)[ends[marked]]
+
+
+def test_edges_along_sharp_ones_are_shaded_sharp():
+    """Of a block whose edges are marked, all twelve, and no other one."""
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    obj = bpy.context.active_object
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.mark_sharp()
+    bpy.ops.mesh.subdivide(number_cuts=9)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    corner = np.abs(places(obj)) > 0.99
+    ends = np.array([edge.vertices[:] for edge in obj.data.edges])
+    obj.data.attributes["sharp_edge"].data.foreach_set("value", (corner[ends].all(axis=1).sum(axis=1) == 2).tolist())
+    obj.data.shade_smooth()
+    made, _ = made_from(obj, spacing=0.5)
+    found = sharp_edges(made)
+    assert np.linalg.norm(found[:, 1] - found[:, 0], axis=1).sum() == pytest.approx(24, rel=1e-3)
+    assert ((np.abs(found) > 1 - 1e-3).all(axis=1).sum(axis=1) == 2).all()
+    assert not attribute(made, "sharp_face").any() if "sharp_face" in made.data.attributes else True
+
+
+# Modifiers
+
+
+def test_a_quad_mesh_follows_the_rig_of_its_source():
+    """The upper half of a ball is raised by a bone, and so is that of its quads."""
+    obj = sphere()
+    bpy.ops.object.armature_add()
+    rig = bpy.context.active_object
+    group = obj.vertex_groups.new(name="Bone")
+    group.add([v.index for v in obj.data.vertices if v.co.z > 0], 1.0, "REPLACE")
+    modifier = obj.modifiers.new("Rig", "ARMATURE")
+    modifier.object, modifier.use_bone_envelopes, modifier.use_deform_preserve_volume = rig, False, True
+    rig.pose.bones["Bone"].location = (0, 1, 0)  # along the bone, which stands upright
+    made, _ = made_from(obj, spacing=0.5)
+    copy = made.modifiers["Rig"]
+    assert copy.object == rig and copy.use_deform_preserve_volume and not copy.use_bone_envelopes
+    bpy.context.view_layer.update()
+    low, high = (np.array(made.evaluated_get(bpy.context.evaluated_depsgraph_get()).bound_box)[k, 2] for k in (0, 1))
+    top = places(obj)[:, 2].max()
+    assert low == pytest.approx(-top, abs=0.1) and high == pytest.approx(top + 1, abs=0.1)
+
+
+def test_what_modifiers_have_shaped_is_not_shaped_again():
+    obj = sphere()
+    modifier = obj.modifiers.new("Flat", "CAST")
+    modifier.cast_type, modifier.factor = "CUBOID", 0.5
+    made, _ = made_from(obj, spacing=0.5, surface="seen")
+    assert not made.modifiers

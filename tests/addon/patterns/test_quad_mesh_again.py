@@ -3,10 +3,12 @@
 """A quad mesh made anew from the object that it was made of: another count, one click, in the same place."""
 
 import bpy
+import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import groups
 from synch_fields.synch_addon.patterns import memory, quad_mesh
 from synch_fields.synch_addon.patterns.other_settings import shows_other_settings
 from synch_fields.synch_addon.settings.fields import source_of
@@ -245,3 +247,36 @@ def test_another_kind_is_made_of_the_quad_mesh_itself(ball, click):
     assert memory.holds(made) and not memory.is_outdated(made)
     made.synch_simple.kind = "quad_mesh"
     assert source_of(made) == ball and bpy.ops.synch.quad_mesh_again.poll()
+
+
+def weights_of(obj, name):
+    return groups.read_weights(obj, name)
+
+
+@pytest.mark.parametrize("has_map", [True, False])
+def test_what_is_painted_on_the_quad_mesh_counts_for_its_source(ball, has_map):
+    """On the side of +X the quads become half as long, whether the source had a map before or not."""
+    if has_map:
+        groups.set_weights(ball, "Fine", (places(ball)[:, 2] > 0.5).astype(float))
+        ball.synch.spacing_map, ball.synch.spacing_range = "Fine", 0.8
+    before = weights_of(ball, "Fine") if has_map else np.zeros(len(ball.data.vertices))
+    made = made_of(ball, faces=400, **({"spacing_map": "Fine", "spacing_range": 0.8} if has_map else {}))
+    again(made, faces=400)
+    if has_map:  # nothing was painted
+        assert (weights_of(ball, "Fine") == before).all()
+    make_active(made)
+    bpy.ops.synch.paint_map(target="SPACING")
+    name = made.synch.spacing_map
+    made.synch.spacing_range = 0.5
+    groups.set_weights(made, name, np.where(places(made)[:, 0] > 0.2, 1.0, weights_of(made, name)))
+    assert bpy.ops.synch.done_painting() == {"FINISHED"} and made.mode == "OBJECT"
+    right = places(ball)[:, 0]
+    painted = weights_of(ball, name)
+    assert painted[right > 0.5].min() > 0.99
+    assert np.abs(painted - before)[right < -0.2].max() < 1e-6
+    assert memory.is_outdated(made)
+    again(made, faces=400, spacing_map=name, spacing_range=0.5)
+    right = np.array([face.center.x for face in made.data.polygons])
+    areas = np.array([face.area for face in made.data.polygons])
+    low = np.array([face.center.z for face in made.data.polygons]) < 0.3
+    assert 0.2 < np.median(areas[(right > 0.5) & low]) / np.median(areas[(right < -0.5) & low]) < 0.45

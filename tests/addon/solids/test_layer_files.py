@@ -4,6 +4,7 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -15,6 +16,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import openvdb_module
 from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.operators.layer_files import SYNCH_OT_layer_path_export
 from synch_fields.synch_addon.solids import memory
 
 from ..scenes import attribute, snapshot
@@ -381,3 +383,16 @@ def test_the_command_saves_the_solve_before_an_export_can_fail(tmp_path, capfd):
     assert printed.count("wrote") == 2 and "30% between walls and skins" in printed
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.curves) >= 2
+
+
+def test_the_format_of_paths_and_the_suffix_of_the_file_follow_one_another():
+    operator = SimpleNamespace(filepath="part.gcode", format=".gcode", _checked=".gcode")
+    check = SYNCH_OT_layer_path_export.check
+    assert not check(operator, None)
+    operator.format = ".csv"  # chosen beside the files
+    assert check(operator, None) and operator.filepath == "part.csv"
+    operator.filepath = "part.OBJ"  # typed
+    assert check(operator, None) and (operator.filepath, operator.format) == ("part.OBJ", ".obj")
+    operator.filepath = "v1.2"
+    assert check(operator, None) and operator.filepath == "v1.2.obj"
+    assert not check(operator, None)
