@@ -73,8 +73,10 @@ def run_at_once(venv, arguments: list[str], count: int) -> int:
 
 
 def start(venv, arguments: list[str], log=None, **variables: str) -> subprocess.Popen:
-    """The environment's Python with these arguments; ``variables`` are for those that the user has not set."""
-    settings = {**variables, **os.environ, "PYTHONPATH": str(ROOT / "out" / "tree")}
+    """The environment's Python with these arguments; ``variables`` are for those that the user has not set.
+
+    Code is compiled once, and not by every process that a test starts."""
+    settings = {**variables, **os.environ, "PYTHONPATH": str(ROOT / "out" / "tree"), "PYTHONDONTWRITEBYTECODE": ""}
     return subprocess.Popen([str(environment.python_of(venv)), *arguments], cwd=ROOT, env=settings, stdout=log)
 
 
