@@ -66,18 +66,16 @@ def are_divided_by_edges(mesh: TriangleMesh, units: np.ndarray) -> bool:
     return not (((low < 0) & (high > 0)) | ((low == 0) & (high == 0))).any()
 
 
-def symmetric_axes(points: np.ndarray, centers: np.ndarray, near: float, share: float = 1.0) -> tuple[int, ...]:
-    """Find the axes in which a share of (n, 3) vertices and of (f, 3) centers of faces has mirror images within a
-    distance, and the vertices do not all lie in the plane."""
+def symmetric_axes(points: np.ndarray, centers: np.ndarray, near: float) -> tuple[int, ...]:
+    """Find the axes in which (n, 3) vertices and (f, 3) centers of faces have mirror images within a distance, and the
+    vertices do not all lie in the plane."""
     low, high = points.min(axis=0), points.max(axis=0)
     axes = np.flatnonzero((np.abs(low + high) <= near) & (high - low > near)).tolist()
     for places in (points, centers) if axes else ():
-        tree, most = cKDTree(places), (1 - share) * len(places)
-        images = (places * (1 - 2 * np.eye(3)[axis]) for axis in axes)
-        far = (
-            np.isinf(tree.query(image, distance_upper_bound=np.nextafter(near, np.inf))[0]).sum() for image in images
-        )
-        axes = [axis for axis, count in zip(axes, far, strict=True) if count <= most]
+        tree, bound = cKDTree(places), np.nextafter(near, np.inf)  # beyond the bound the search takes long
+        images = [places * (1 - 2 * np.eye(3)[axis]) for axis in axes]
+        found = [np.isfinite(tree.query(image, distance_upper_bound=bound)[0]).all() for image in images]
+        axes = [axis for axis, has_images in zip(axes, found, strict=True) if has_images]
     return tuple(axes)
 
 

@@ -156,7 +156,8 @@ def draw_main(layout, obj):
         draw_strokes(column)
     if simple.direction == "OTHER" and is_simple():
         column.label(text="Guides: Advanced, Guide", icon="BLANK1")
-    axes = {*mirror_axes(source, simple.kind == "quad_mesh"), *(axis for axis in range(3) if settings.mirror[axis])}
+    is_any = simple.kind == "quad_mesh"  # any mesh can be mirrored
+    axes = {0, 1, 2} if is_any else {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
     if axes:
         draw_mirror(column, settings, sorted(axes))
     if simple.kind != "directions":

@@ -180,6 +180,9 @@ def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
     triangulated = add_object(*triangles_of(obj))
     make_active(triangulated)
     assert drawn().count("mirror") == 0  # their diagonals differ on both sides
+    bpy.context.active_object.synch_simple.kind = "quad_mesh"  # of any mesh
+    assert drawn().count("mirror") == 3
+    bpy.context.active_object.synch_simple.kind = "stripes"
     make_active(obj)
     obj.data.vertices[0].co += Vector((0.01, 0, 0.01))
     obj.data.update()
@@ -223,15 +226,6 @@ def test_a_count_of_faces_begins_at_the_one_that_was_expected():
     assert stored.faces == expected + 1
     simple.faces_auto = True
     assert stored.faces == 0 and simple.faces == expected
-
-
-def test_for_quad_meshes_a_mirror_is_offered_where_the_shape_is_symmetric():
-    obj = sphere()
-    assert mirror_axes(obj) == (1,) and mirror_axes(obj, of_shape=True) == (0, 1, 2)
-    obj.data.transform(Matrix.Rotation(0.4, 4, "X") @ Matrix.Rotation(0.7, 4, "Z"))
-    obj.data.update()
-    bpy.context.view_layer.update()
-    assert mirror_axes(obj) == () and mirror_axes(obj, of_shape=True) == (0, 1, 2)
 
 
 def test_in_edit_mode_automatic_turned_off_leaves_its_spacing_too():

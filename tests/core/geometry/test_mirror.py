@@ -208,7 +208,6 @@ def test_axes_of_points_are_those_in_which_each_has_an_image():
     assert symmetric_axes(points, NO_FACES, 1e-6) == (0, 1, 2)
     assert symmetric_axes(points + [0.1, 0, 0], NO_FACES, 1e-6) == (1, 2)
     assert symmetric_axes(np.delete(points, 17, axis=0), NO_FACES, 1e-6) == ()
-    assert symmetric_axes(np.delete(points, 17, axis=0), NO_FACES, 1e-6, share=0.95) == (0, 1, 2)
     bent = points + 0.1 * points[:, :1] ** 2 * [0, 1, 0]
     assert symmetric_axes(bent, NO_FACES, 1e-6) == (0, 2) and symmetric_axes(bent, NO_FACES, 0.5) == (0, 1, 2)
 
