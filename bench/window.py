@@ -4,7 +4,9 @@
 ``click`` is what reading the mesh takes, ``came`` when the first picture has come from the process that solves, and
 ``first`` when it has been drawn: meanwhile that process goes on.
 
-    SYNCH_BLENDER=blender python bench/window.py     (Xvfb on the PATH; see tests/ui/conftest.py)
+    SYNCH_BLENDER=blender python bench/window.py [quad_mesh]     (Xvfb on the PATH; see tests/ui/conftest.py)
+
+Of quad meshes only the first picture is measured.
 
 Without a graphics card Blender's own rendering takes most of the time. So the times are counted apart: of the process
 that solves, of our code in Blender's process (drawing handlers, panels, what a timer does), and, for comparison, of all
@@ -92,7 +94,7 @@ _CLICK = """
 first.clear(); came.clear(); spent["ours"] = 0.0
 begun, click = (time.monotonic(), child_time(), time.process_time()), time.thread_time()
 with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area(), region=window_region()):
-    bpy.ops.synch.stripes("INVOKE_DEFAULT")
+    bpy.ops.synch.COMMAND("INVOKE_DEFAULT")
 click = time.thread_time() - click
 """
 _REDRAW = f"""
@@ -109,7 +111,8 @@ IDLE = "part('jobs.queue').queue.running is None"
 
 
 def main():
-    """Print two lines of JSON for each torus: the first picture, and the redraws after the solve too."""
+    """Print two lines of JSON for each torus: the first picture, and the redraws after a solve of stripes too."""
+    command = sys.argv[1] if len(sys.argv) > 1 else "stripes"
     with tempfile.TemporaryDirectory() as folder, conftest._installed(Path(folder), (1000, 700)) as blender:
         blender.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
         blender.open_panel()
@@ -118,10 +121,14 @@ def main():
         for name, (major, minor) in TORI.items():
             blender.run(f"add_torus({major}, {minor})")
             assert blender.value("len(active().data.vertices)") == major * minor
-            blender.run(_CLICK)
+            blender.run(_CLICK.replace("COMMAND", command))
             blender.until(f"bool(first) or ({IDLE})")
             row = {"torus": name} | {part: blender.value(part) for part in ("click", "came", "first")}
             print(json.dumps(row), flush=True)  # the whole solve of the largest one takes minutes
+            if command != "stripes":
+                blender.until(IDLE)
+                blender.run("bpy.data.batch_remove(list(bpy.context.scene.objects))")
+                continue
             blender.until(f"{IDLE} and part('patterns.memory').holds(active())")  # written, too
             blender.run("bpy.context.scene.synch_overlay.show = True; area().tag_redraw()")
             gallery = "part('panels.thumbnails').galleries.of(active())"

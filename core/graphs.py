@@ -55,6 +55,18 @@ def find(keys: np.ndarray, asked: np.ndarray) -> np.ndarray:
     return np.where(keys[found] == asked, found, -1)
 
 
+def label_rows(rows: np.ndarray) -> np.ndarray:
+    """Number (n, k) rows of integers from 0 up, equal ones alike, in their lexicographic order.
+
+    Several times as fast as :func:`numpy.unique` of rows, which compares bytes.
+    """
+    labels = np.zeros(len(rows), np.int64)
+    for column in rows.T if len(rows) else ():
+        span = int(np.ptp(column)) + 1
+        labels = np.unique(labels * span + (column - column.min()), return_inverse=True)[1].reshape(-1)
+    return labels
+
+
 def inverse(order: np.ndarray) -> np.ndarray:
     """Invert a permutation, (n,)."""
     result = np.empty_like(order)

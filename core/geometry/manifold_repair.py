@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ..errors import name_elements
-from ..graphs import components
+from ..graphs import components, label_rows
 from .check import FLAT_FACE, check_mesh, flat_faces
 from .cut import cut_all_but
 from .face_orientation import orient_faces
@@ -188,7 +188,7 @@ def _find_duplicates(polygons: Polygons, usable: np.ndarray) -> np.ndarray:
     first = np.where(usable, find_duplicates(polygons, usable), np.arange(len(usable)))
     rows = (usable & (first == np.arange(len(first))))[polygons.triangle_faces]
     faces, triangles = polygons.triangle_faces[rows], np.sort(polygons.triangles[rows], axis=1)
-    labels = np.unique(triangles, axis=0, return_inverse=True)[1].reshape(-1)
+    labels = label_rows(triangles)
     order = np.lexsort((-faces, polygons.sizes[faces]))
     covers = np.empty(labels.max(initial=-1) + 1, int)
     covers[labels[order]] = faces[order]  # the last of several assignments counts

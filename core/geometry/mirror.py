@@ -5,7 +5,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import AsymmetryError
-from ..graphs import components
+from ..graphs import components, label_rows
 from ..unit_vectors import unit_vectors
 from .polygons import Polygons
 from .triangle_mesh import TriangleMesh
@@ -103,7 +103,7 @@ def _match_by_faces(
         corners = polygons.starts[polygons.drawn & (polygons.sizes == size), None] + np.arange(size)
         vertices = polygons.corner_vertices[corners]
         here, there = np.sort(places[vertices], axis=1), np.sort(image[places[vertices]], axis=1)
-        labels = np.unique(np.concatenate([here, there]), axis=0, return_inverse=True)[1].reshape(-1)
+        labels = label_rows(np.concatenate([here, there]))
         face_of = np.full(labels.max() + 1, -1)
         face_of[labels[: len(vertices)]] = np.arange(len(vertices))
         face = face_of[labels[len(vertices) :]]

@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from ..graphs import label_rows
 from .triangle_mesh import TriangleMesh
 
 
@@ -108,7 +109,7 @@ class Polygons:
         shown = self.alike[old_corners]
         was_drawn = self.drawn[self.corner_faces[old_corners[now.starts]]]
         both = np.concatenate([self.triangle_corners, shown[now.triangle_corners]])
-        labels = np.unique(np.sort(both, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+        labels = label_rows(np.sort(both, axis=1))
         old, new = np.split(labels, [len(self.triangle_corners)])
         # Where a face was split over a duplicate of a part of it, the duplicate has this part's triangle from now on.
         order = np.lexsort((np.where(was_drawn, 0, now.sizes)[now.triangle_faces], new))
@@ -139,7 +140,7 @@ def find_duplicates(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
     for size in np.unique(polygons.sizes):
         faces = np.flatnonzero(polygons.sizes == size)
         corners = np.sort(polygons.corner_vertices[polygons.starts[faces, None] + np.arange(size)], axis=1)
-        labels = np.unique(corners, axis=0, return_inverse=True)[1].reshape(-1)
+        labels = label_rows(corners)
         leads = np.full(len(faces), len(first))
         np.minimum.at(leads, labels, np.where(chosen[faces], faces, len(first)))
         first[faces] = np.where(leads[labels] < len(first), leads[labels], faces)

@@ -12,6 +12,7 @@ from ...core.errors import MeshError, SettingError, SynchError, quote_value
 from ...core.geometry.manifold_repair import finite_places
 from ...core.geometry.mesh_input import ObjectMesh
 from ...core.geometry.polygons import Polygons
+from ...core.graphs import label_rows
 from .attributes import read_all, read_values
 from .objects import no_object, set_mode, world_of
 from .transaction import at_the_end, undone_by
@@ -176,7 +177,7 @@ def can_be_split(obj, faces, surface):
     rows = np.isin(polygons.triangle_faces, faces)
     there = polygons.corner_vertices[polygons.starts[small, None] + np.arange(3)]
     both = np.sort(np.concatenate([there, polygons.triangles[rows]]), axis=1)
-    labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    labels = label_rows(both)
     met, asked = np.split(labels, [len(small)])
     near = np.isin(met, asked)
     chosen, owners = [], {}
@@ -263,7 +264,7 @@ def faces_of_triangles(polygons, triangles):
     is_near[wanted] = True
     near = np.flatnonzero(is_near[drawn].all(axis=1))  # mostly few are wanted
     both = np.sort(np.concatenate([drawn[near], wanted]), axis=1)
-    labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    labels = label_rows(both)
     face_of = np.empty(labels.max(initial=0) + 1, int)
     face_of[labels[: len(near)]] = polygons.triangle_faces[near]
     return face_of[labels[len(near) :]]
@@ -290,7 +291,7 @@ def select_vertices(obj, vertices):
 def select_edges(obj, pairs):
     """Select edges, by (k, 2) their ends, and nothing else of a mesh in object mode, so that edit mode shows them."""
     known, asked = (np.sort(ends, axis=1) for ends in (read_all(obj.data.edges, "vertices", 2), np.asarray(pairs)))
-    names = np.unique(np.concatenate([known, asked]), axis=0, return_inverse=True)[1].reshape(-1)
+    names = label_rows(np.concatenate([known, asked]))
     vertices = np.isin(np.arange(len(obj.data.vertices)), asked)
     _select(obj, (False, True, False), vertices, np.isin(names[: len(known)], names[len(known) :]), False)
 

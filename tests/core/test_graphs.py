@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.graphs import components, find, pair_keys, ragged_arange, walk_trees
+from synch_fields.core.graphs import components, find, label_rows, pair_keys, ragged_arange, walk_trees
 
 
 def labels_by_walking(count, pairs):
@@ -86,3 +86,9 @@ def test_ragged_arange_counts_within_each_row(counts):
     rows, places = ragged_arange(np.array(counts, int))
     expected = [(row, place) for row, count in enumerate(counts) for place in range(count)]
     assert list(zip(rows.tolist(), places.tolist(), strict=True)) == expected
+
+
+@pytest.mark.parametrize("shape", [(0, 3), (1, 2), (200, 1), (500, 4)])
+def test_equal_rows_have_equal_labels_in_their_order(shape):
+    rows = np.random.default_rng(0).integers(-3, 4, shape)
+    assert np.array_equal(label_rows(rows), np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1))

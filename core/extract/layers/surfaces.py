@@ -12,7 +12,7 @@ import numpy as np
 
 from ...geometry import TriangleMesh
 from ...geometry.tet_mesh import TetMesh
-from ...graphs import components
+from ...graphs import components, label_rows
 from ...interpolate import TURN, EdgePhases
 from ...interpolate_solid import face_numbers, outward_numbers
 from .crossings import LayerCrossings, crossings_of, polygons_in
@@ -98,7 +98,7 @@ def _halves(crossings: LayerCrossings, quads: np.ndarray) -> np.ndarray:
 def _without_doubles(triangles: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Remove triangles that are boundary faces already, and opposite pairs, where a sheet touches itself."""
     both = np.sort(np.concatenate([triangles, faces]), axis=1)
-    label = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    label = label_rows(both)
     a, b, c = triangles.T
     sign = np.where((b > a) ^ (c > b) ^ (c > a), 1, -1)
     label, covered = label[: len(triangles)], label[len(triangles) :]

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ....graphs import components, inverse
+from ....graphs import components, inverse, label_rows
 from ..trace.quad_mesh import QuadMesh
 
 # Crossings within this many quads along a loop count as one place.
@@ -62,7 +62,7 @@ class QuadLoops:
 
 def quad_loops(quads: QuadMesh) -> QuadLoops:
     """The loops of a quad mesh; they end at faces that are not quads."""
-    edges = np.unique(np.sort(quads.half_edges, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+    edges = label_rows(np.sort(quads.half_edges, axis=1))
     places = quads.starts[quads.sizes == 4][:, None] + np.arange(4)
     passes = edges[places].reshape(-1, 2, 2).transpose(0, 2, 1).reshape(-1, 2)
     # Edges without a quad have no loop.

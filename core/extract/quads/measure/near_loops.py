@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....graphs import components
+from ....graphs import components, label_rows
 from ..trace.quad_mesh import QuadMesh
 from .loops import twins
 
@@ -105,7 +105,7 @@ def _classes(
     order = np.lexsort((rows[:, 0], abs(rows[:, 2]), rows[:, 1]))
     rows = rows[order]
     count = len(starts)
-    kinds = np.unique(np.column_stack([rows[:, 1], abs(rows[:, 2])]), axis=0, return_inverse=True)[1].ravel()
+    kinds = label_rows(np.column_stack([rows[:, 1], abs(rows[:, 2])]))
     keys = kinds * count + rows[:, 0]
     # Walks at corners 2 and 3 of a quad are the reverses of those at corners 0 and 1.
     number = np.full(len(ahead), -1)

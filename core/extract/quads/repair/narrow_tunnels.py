@@ -7,7 +7,7 @@ the cut are closed: the face becomes two, and each half of an edge is joined to 
 
 import numpy as np
 
-from ....graphs import components
+from ....graphs import components, label_rows
 from ..trace.quad_mesh import QuadMesh, repeats
 
 # Parts with fewer faces that are cut off are left out.
@@ -39,7 +39,7 @@ def find_flat_faces(quads: QuadMesh) -> np.ndarray:
         corners = quads.corner_vertices[quads.starts[faces, None] + places]
         first = corners.argmin(axis=1)[:, None]
         ahead, back = (np.take_along_axis(corners, (first + way) % size, axis=1) for way in (places, -places))
-        labels = np.unique(np.concatenate([ahead, back]), axis=0, return_inverse=True)[1].ravel()
+        labels = label_rows(np.concatenate([ahead, back]))
         flat[faces] = np.isin(labels[: len(faces)], labels[len(faces) :])
     return flat
 
@@ -66,7 +66,7 @@ def _join_halves(quads: QuadMesh) -> QuadMesh:
     Several edges may have the same ends. Two of their halves are joined if one fan of faces lies between them. That
     cuts the surface along these edges.
     """
-    names = np.unique(np.sort(quads.half_edges, axis=1), axis=0, return_inverse=True)[1].ravel()
+    names = label_rows(np.sort(quads.half_edges, axis=1))
     forward = quads.half_edges[:, 0] < quads.half_edges[:, 1]
     # A forward half and a backward one have the same tail and head if the corners after them change places.
     tails = np.where(forward, np.arange(len(names)), quads.next_corners)
@@ -75,7 +75,7 @@ def _join_halves(quads: QuadMesh) -> QuadMesh:
     joined = _pairs(names, forward, alone)
     fans = _fans(tails, heads, joined)
     several = np.flatnonzero(~alone)
-    in_fan = np.unique(np.column_stack([names, fans[tails]]), axis=0, return_inverse=True)[1].ravel()
+    in_fan = label_rows(np.column_stack([names, fans[tails]]))
     joined = np.concatenate([joined, _pairs(in_fan, forward, ~alone)])
     left = np.setdiff1d(several, joined)
     for name in np.unique(names[left]):
