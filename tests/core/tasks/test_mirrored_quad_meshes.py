@@ -10,7 +10,7 @@ from synch_fields.core.extract.quads.measure.quality import worst_deviations
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.refinement.spacing import is_fine
 from synch_fields.core.settings.surface import SurfaceSettings
-from synch_fields.core.tasks import quad_drafts, quad_meshes
+from synch_fields.core.tasks import face_counts, quad_drafts
 
 from ..meshes import cube, torus
 from .test_surface_requests import asked, source_of
@@ -75,7 +75,7 @@ def test_a_mirrored_quad_mesh_is_its_own_image_at_every_count(shape, axes, faces
 @pytest.mark.parametrize(("axes", "branching"), [("", 0.0), ("Y", 0.0), ("XYZ", 0.0), ("", 1.0), ("Y", 1.0)])
 def test_the_faces_of_the_whole_mesh_are_counted_before_it_is_finished(axes, branching, monkeypatch):
     counts = []
-    monkeypatch.setattr(quad_meshes, "complete", lambda *args: _finished(counts, *args))
+    monkeypatch.setattr(face_counts, "complete", lambda *args: _finished(counts, *args))
     asked("quad_mesh", source_of(ball()), faces=400, mirror=axes, branching=branching).solve()
     for expected, drafted, finished in counts:
         assert abs(expected / finished - 1) < 0.03 and abs(drafted / finished - 1) < 0.05

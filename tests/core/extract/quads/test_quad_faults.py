@@ -49,15 +49,34 @@ def test_each_fault_is_said_with_a_remedy(made, line):
     assert any(line in said and said.endswith("ask for more faces, or a smaller spacing") for said in found), found
 
 
-@pytest.mark.parametrize("degrees", [11, 13])
-def test_a_hundred_quads_aslant_are_said(degrees):
+def slanted(degrees):
+    """Places and faces of a hundred quads with corners that far from right angles, and their surface."""
     x, y = np.meshgrid(np.arange(11.0), np.arange(11.0))
     places = np.column_stack([(x + np.tan(np.radians(degrees)) * y).ravel(), y.ravel(), np.zeros(121)])
     first = (np.arange(10) + 11 * np.arange(10)[:, None]).reshape(-1, 1)
     faces = first + [0, 1, 12, 11]
-    sheet = TriangleMesh(places, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
+    return places, faces, TriangleMesh(places, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
+
+
+@pytest.mark.parametrize("degrees", [11, 13])
+def test_a_hundred_quads_aslant_are_said(degrees):
+    places, faces, sheet = slanted(degrees)
     line = f"corners are {degrees} degrees off right angles on average: ask for more faces, or a smaller spacing"
     assert quad_faults(quads(places, faces), sheet, False) == ((line,) if degrees > 12 else ())
+
+
+@pytest.mark.parametrize(
+    ("tried", "told"),
+    [
+        ({100: 20.0}, ""),
+        ({100: 20.0, 90: 19.0}, ", and not much less in the other meshes that were tried"),
+        ({100: 20.0, 90: 19.0, 150: 11.0, 400: 4.0}, ", and 11 in a mesh with 150 faces that was tried"),
+    ],
+)
+def test_a_mesh_that_was_tried_and_has_better_corners_is_named(tried, told):
+    places, faces, sheet = slanted(20)
+    line = f"corners are 20 degrees off right angles on average{told}: ask for more faces, or a smaller spacing"
+    assert quad_faults(quads(places, faces), sheet, False, tried) == (line,)
 
 
 def test_a_face_of_many_corners_is_said():
