@@ -116,7 +116,7 @@ def test_coarse_meshes_are_mirrored_on_a_surface_of_their_own():
     """Suzanne, whose faces are too coarse and whose triangles are not mirrored everywhere."""
     bpy.ops.mesh.primitive_monkey_add()
     obj = bpy.context.active_object
-    report = api.stripes(obj, mirror="X", surface="automatic", spacing=0.2)
+    report = api.stripes(obj, mirror="X", surface="automatic", spacing=0.4)
     assert report["surface"]["vertices"] > len(obj.data.vertices)
     surface = surface_of(obj)
     pattern, places = attribute(surface, "synch_pattern"), attribute(surface, "position").astype(float)
@@ -124,7 +124,7 @@ def test_coarse_meshes_are_mirrored_on_a_surface_of_their_own():
     assert distances[:, 0].max() < 1e-5
     alone = distances[:, 1] > 1e-5  # two of Suzanne's vertices share a place
     np.testing.assert_allclose(pattern[near[alone, 0]], pattern[alone], atol=1e-5)
-    report = api.quad_mesh(obj, mirror="X", surface="automatic", faces=400)
+    report = api.quad_mesh(obj, mirror="X", surface="automatic", faces=200)
     made_at = attribute(bpy.data.objects[report["quad_mesh"]["object"]], "position")
     assert cKDTree(made_at).query(made_at * [-1, 1, 1])[0].max() < 1e-5
     assert not any("no mirror image" in line for line in report["warnings"])

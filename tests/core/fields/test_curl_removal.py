@@ -327,7 +327,7 @@ def test_on_a_closed_piece_without_area_what_stays_is_spread_evenly():
 
 def test_the_part_of_a_holonomy_that_varies_fast_is_told_from_the_rest():
     """On a sphere, of radius 1, every triangle has curvature in proportion to its area, and one has more of it."""
-    mesh = icosphere(4)
+    mesh = icosphere(3)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
     even, spot = mesh.areas.copy(), np.zeros(mesh.triangle_count)
     spot[7] = 1.0
