@@ -35,6 +35,7 @@ register, unregister = register_all(
         quads.SYNCH_OT_quads,
         quads.SYNCH_OT_quad_mesh,
         quads.SYNCH_OT_quad_mesh_again,
+        quads.SYNCH_OT_mirror_half,
         *end_jobs.CLASSES,
         *variations.CLASSES,
         *favourites.CLASSES,

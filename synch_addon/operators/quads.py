@@ -2,10 +2,13 @@
 """Operators: a quad pattern on the active mesh, and the mesh of its grid lines."""
 
 import bpy
+from bpy.props import IntProperty
 
 from ..blender.meshes import refusal
+from ..panels.row_operators import RowOperator
 from ..patterns.job import FieldJob
 from ..patterns.painted_back import paint_back
+from ..patterns.symmetry import toggle_half
 from ..settings.fields import (
     DIRECTED_NAMES,
     MESH_NAMES,
@@ -73,3 +76,17 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
             self.guidance = made.synch.made_along or stored_guidance(source.synch)
         take_settings(self, made.synch, [name for name in PROPERTY_NAMES if not is_set(name)])
         return FieldJob(self.command, source, self._settings(), replaced=made)
+
+
+class SYNCH_OT_mirror_half(RowOperator, bpy.types.Operator):
+    """Mirror the half on the positive side of this axis by a modifier, where the two halves of the mesh differ; once \
+more removes it"""
+
+    bl_idname = "synch.mirror_half"
+    bl_label = "Mirror a Half"
+
+    axis: IntProperty(name="Axis", description="X, Y or Z as 0, 1 or 2", min=0, max=2)
+
+    def execute(self, context):
+        toggle_half(self.owner(context), self.axis)
+        return {"FINISHED"}

@@ -11,7 +11,7 @@ _OPERATORS = {
     "background": "cancel keep",
     "result": "variation draw_variation find_variations place_defect keep_favourite show_favourite remove_favourite "
     "select_defects next_defect drag_defect select_places copy_report pin unpin",
-    "quads": "quad_mesh quad_mesh_again trace_quads",
+    "quads": "quad_mesh quad_mesh_again mirror_half trace_quads",
     "overlay": "show_loop",
     "looks": "preset plain_look asset_library number_stripes",
     "lines": "isolines relief carry",
@@ -22,7 +22,7 @@ _OPERATORS = {
     "animation": "animate",
     "constraints": "constraint_add constraint_remove constraint_move",
     "guides": "draw_stroke erase_strokes smooth_strokes guide_add guide_remove import_field export_field",
-    "settings": "paint_map",
+    "settings": "paint_map done_painting",
     "comfort": "refine add_sample add_preset copy_settings",
 }
 _SETTINGS = {

@@ -19,7 +19,7 @@ from ..patterns.live import live
 from ..patterns.other_settings import shows_other_settings
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning
-from ..patterns.symmetry import mirror_axes
+from ..patterns.symmetry import crosses, half_modifier, mirror_axes
 from ..settings.fields import MESH_NAMES, RECORDS, original_of, source_of
 from ..settings.preferences import is_simple, preferences
 from ..solids.links import solid_of
@@ -74,6 +74,19 @@ def draw_mirror(column, settings, axes):
     row = column.row(align=True, heading="Mirror")
     for axis in axes:
         row.prop(settings, "mirror", index=axis, text="XYZ"[axis], toggle=True)
+
+
+def _draw_mirror_of_any(column, settings, axes, source):
+    """All axes: in those in which the halves of the mesh differ, a modifier mirrors one of them."""
+    row, modifier = column.row(align=True, heading="Mirror"), half_modifier(source)
+    for axis, name in enumerate("XYZ"):
+        button = row.row(align=True)
+        if axis in axes:
+            button.prop(settings, "mirror", index=axis, text=name, toggle=True)
+        else:
+            is_on = modifier is not None and modifier.use_axis[axis]
+            button.enabled = is_on or crosses(source, axis)
+            button.operator("synch.mirror_half", text=name, depress=is_on, translate=False).axis = axis
 
 
 def draw_share(column, settings, name):
@@ -136,6 +149,8 @@ def draw_main(layout, obj):
         else:
             button.operator(name, icon_value=layout.enum_item_icon(simple, "kind", simple.kind))
         property_column(row).prop(simple, "kind")
+    if again and obj.mode == "EDIT":
+        layout.label(text="Leave edit mode to update it", icon="INFO")
     if again:
         layout.label(text=translate("Made of {name}", name=source.name), icon="OBJECT_DATA", translate=False)
     layout = layout.column()
@@ -157,7 +172,9 @@ def draw_main(layout, obj):
     if simple.direction == "OTHER" and is_simple():
         column.label(text="Guides: Advanced, Guide", icon="BLANK1")
     axes = {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
-    if axes:
+    if simple.kind == "quad_mesh" and source.mode == "OBJECT":
+        _draw_mirror_of_any(column, settings, axes, source)
+    elif axes:
         draw_mirror(column, settings, sorted(axes))
     if simple.kind != "directions":
         draw_share(column, settings, "branching")

@@ -13,8 +13,9 @@ from mathutils import Matrix, Vector
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
+from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.refine import expected_faces, expected_spacing
-from synch_fields.synch_addon.patterns.symmetry import mirror_axes
+from synch_fields.synch_addon.patterns.symmetry import crosses, half_modifier, mirror_axes
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
@@ -254,3 +255,37 @@ def test_why_an_object_carries_nothing_fits_into_the_panel():
         lines = [call.kwargs["text"] for call in layout.label.call_args_list]
         assert max(map(len, lines)) <= 30 and [way in " ".join(lines) for way in ways] == [True] * len(ways)
         assert ("Convert" in " ".join(lines)) == (obj == text)
+
+
+def test_a_mesh_whose_halves_differ_is_mirrored_by_a_modifier(chosen):
+    """A ball with a bulge on the side of +X: the bulge is on both sides of its quads."""
+    obj = sphere()
+    for vertex in obj.data.vertices:
+        vertex.co.y *= 1.0 + max(vertex.co.x, 0.0) * (vertex.co.y > 0)
+    obj.data.update()
+    assert mirror_axes(obj) == ()
+    obj.synch_simple.kind = "quad_mesh"
+    assert drawn().count("synch.mirror_half") == 3 and drawn().count("mirror") == 0
+    obj.synch_simple.kind = "stripes"
+    assert "synch.mirror_half" not in drawn()
+    obj.synch_simple.kind = "quad_mesh"
+    for axis in (0, 1, 1):
+        assert bpy.ops.synch.mirror_half(axis=axis) == {"FINISHED"}
+    modifier = half_modifier(obj)
+    assert modifier.use_axis[:] == modifier.use_bisect_axis[:] == (True, False, False)
+    assert bpy.ops.synch.quad_mesh(faces=300, surface="AUTOMATIC") == {"FINISHED"}
+    made = bpy.context.active_object
+    points = {tuple(round(number, 4) + 0.0 for number in vertex.co) for vertex in made.data.vertices}
+    assert points == {(-x + 0.0, y, z) for x, y, z in points}
+    assert max(vertex.co.y for vertex in made.data.vertices if vertex.co.x < -0.2) > 1.15
+    assert bpy.ops.synch.mirror_half(axis=0) == {"FINISHED"} and half_modifier(obj) is None
+    assert not made.modifiers and memory.is_outdated(made)
+
+
+def test_no_half_is_offered_where_the_object_is_on_one_side():
+    obj = sphere()
+    assert all(crosses(obj, axis) for axis in range(3))
+    obj.data.transform(Matrix.Translation((5, 0, 0)))
+    obj.data.update()
+    bpy.context.view_layer.update()
+    assert [crosses(obj, axis) for axis in range(3)] == [False, True, True]
