@@ -97,7 +97,9 @@ PARENTS = tuple(
 SOURCE_FACE = Attribute("synch_source_face", "FACE", "INT", "likewise: face of the object that a face is part of")
 WEIGHTS = Attribute("synch_weights", "POINT", "FLOAT_VECTOR", "likewise: weights of these vertices, which add up to 1")
 
-MAPPED = Attribute("synch_spacing_map", "POINT", "FLOAT", "quad mesh: weights of its spacing map, before it is painted on")
+MAPPED = Attribute(
+    "synch_spacing_map", "POINT", "FLOAT", "quad mesh: weights of its spacing map, before it is painted on"
+)
 
 # The attributes of each kind of pattern; those that determine it, which a favourite keeps; and those that each frame of
 # an animation stores, since places are the same in all frames.

@@ -2,7 +2,8 @@
 """Operators that are a drag of the mouse, from the press of a button to its release: those of the tool that draws
 guide strokes.
 
-On a quad mesh they are drawn for the object that it was made of. Nothing of strokes is changed before the release: Esc leaves no trace, and each drag is one step of undo.
+On a quad mesh they are drawn for the object that it was made of. Nothing of strokes is changed before the release: Esc
+leaves no trace, and each drag is one step of undo.
 """
 
 import bpy

@@ -22,7 +22,7 @@ _OPERATORS = {
     "animation": "animate",
     "constraints": "constraint_add constraint_remove constraint_move",
     "guides": "draw_stroke erase_strokes smooth_strokes guide_add guide_remove import_field export_field",
-    "settings": "paint_map",
+    "settings": "paint_map done_painting",
     "comfort": "refine add_sample add_preset copy_settings",
 }
 _SETTINGS = {

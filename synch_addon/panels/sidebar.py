@@ -136,6 +136,8 @@ def draw_main(layout, obj):
         else:
             button.operator(name, icon_value=layout.enum_item_icon(simple, "kind", simple.kind))
         property_column(row).prop(simple, "kind")
+    if again and obj.mode == "EDIT":
+        layout.label(text="Leave edit mode to update it", icon="INFO")
     if again:
         layout.label(text=translate("Made of {name}", name=source.name), icon="OBJECT_DATA", translate=False)
     layout = layout.column()

@@ -74,7 +74,7 @@ class _View:
         bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
 
     def lines_of(self, obj):
-        """[(points, colour)] of the strokes as they are now, of a quad mesh its source's: (p, 3) in the object's space."""
+        """[(points, colour)] of the strokes as they are now, of a quad mesh its source's: (p, 3) in its space."""
         owner = original_of(obj)
         strokes = _read.renewed(owner.session_uid, state_of(owner), lambda: strokes_of(owner))
         lines = [(self.changed.get(s.key, s.points), WISH_COLORS[s.wish]) for s in strokes]

@@ -6,6 +6,9 @@ import numpy as np
 from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..blender import attributes, groups, meshes, schema
 
+# Change of a weight, as a share, from which on it was painted.
+_LEAST = 1e-6
+
 
 def note_map(made):
     """Note the weights that a new quad mesh has of its spacing map, so that later painting can be told apart."""
@@ -24,14 +27,17 @@ def paint_back(made, source):
     is_new = name not in source.vertex_groups
     if before is None:
         before = np.zeros(len(now)) if is_new else now
-    painted = now - before
-    if not (is_new or np.abs(painted).max(initial=0) > 1e-6):
+    # How far towards 1 and towards 0 each vertex was painted: what is painted 1 is 1 at the source, too.
+    up = np.divide(now - before, 1 - before, out=np.zeros(len(now)), where=now > before)
+    down = np.divide(before - now, before, out=np.zeros(len(now)), where=now < before)
+    if not (is_new or max(up.max(initial=0), down.max(initial=0)) > _LEAST):
         return False
     surface = NearestTriangles(meshes.measured_places(made), meshes.read_polygons(made).triangles)
     places, triangles = surface.nearest(meshes.measured_places(source))
     corners = surface.triangles[triangles]
     shares = nearest_in_triangles(places, surface.vertices[corners.T])
     given = np.zeros(len(places)) if is_new else groups.read_weights(source, name)
-    groups.set_weights(source, name, np.clip(given + np.einsum("nk,nk->n", shares, painted[corners]), 0.0, 1.0))
+    up, down = (np.einsum("nk,nk->n", shares, way[corners]) for way in (up, down))
+    groups.set_weights(source, name, np.clip(given + up * (1 - given) - down * given, 0.0, 1.0))
     attributes.write(made, schema.MAPPED, now)
     return True

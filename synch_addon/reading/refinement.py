@@ -58,7 +58,8 @@ def refinement_of(command, obj, settings, follows_mirror):
     if not is_seen:
         given, is_seen = meshes.read_mesh(obj, strict=settings.strict), bool(changing_modifiers(obj))
         factors = read_spacing_map(obj, given, settings)
-        if is_fine(command, given, settings, factors):
+        is_mirrored = command == "quad_mesh" and _mirrored_by_modifiers(obj)
+        if is_fine(command, given, settings, factors) and not is_mirrored:
             return None, given
     with source_of(obj, is_seen) as source:
         read = meshes.read_faces(source)

@@ -139,6 +139,30 @@ def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
     ball.run("bpy.context.window_manager.synch_live = False")
 
 
+def test_strokes_and_maps_on_a_quad_mesh_are_those_of_its_source(ball, keep):
+    ball.run("active().synch_simple.kind = 'quad_mesh'; active().synch.faces = 300; area().tag_redraw()")
+    ball.click("Quad Mesh")
+    ball.until("active().synch.source is not None")
+    update = ball.says("Update {what}", what=ball.says("Quad Mesh"))
+    assert not ball.shows(update)
+    ball.click("Draw Strokes")
+    ball.wait_for("Done Drawing")
+    ball.drag(line(ball, (-0.6, -0.2), (0, 0.25), (0.5, 0.1)))
+    ball.until("len(part('patterns.guide_strokes').strokes_of(active().synch.source)) == 1")
+    keep("stroke_on_quads", ball.picture())
+    ball.click("Done Drawing")
+    ball.wait_for(update)
+    ball.press("Z", ctrl=True)
+    ball.until("len(part('patterns.guide_strokes').strokes_of(active().synch.source)) == 0")
+    ball.run("bpy.ops.synch.paint_map(target='SPACING')")
+    ball.wait_for("Done Painting")
+    ball.drag(line(ball, (-0.5, 0), (0.5, 0.1)))
+    ball.click("Done Painting")
+    ball.until("'Spacing' in active().synch.source.vertex_groups")
+    ball.wait_for(update)
+    keep("painted_on_quads", ball.picture())
+
+
 def test_panels_are_not_cut_off(ball, keep):
     ball.click("Draw Strokes")
     ball.wait_for("Line Here")

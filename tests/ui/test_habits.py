@@ -43,6 +43,19 @@ def test_the_redo_panel_shows_what_one_changes(panel, keep):
     panel.press("ESC")
 
 
+def test_the_redo_panel_shows_what_follows_an_automatic_count(panel, keep):
+    add_ball(panel, 3)
+    panel.run("active().synch_simple.kind = 'quad_mesh'; area().tag_redraw()")
+    panel.click("Quad Mesh")
+    panel.until("active().synch.source is not None")
+    panel.move((600, 500))
+    panel.press("F9")
+    for text in ("Face Count", "Spacing", "Guidance", "Singularities", "Smoothing"):
+        panel.wait_for(text, "WINDOW")
+    keep("redo_quad_mesh", panel.picture())
+    panel.press("ESC")
+
+
 def test_the_search_finds_what_can_be_done_and_not_the_collection(panel, keep):
     add_ball(panel, 4)
     solved(panel)

@@ -257,3 +257,17 @@ def test_why_an_object_carries_nothing_fits_into_the_panel():
         lines = [call.kwargs["text"] for call in layout.label.call_args_list]
         assert max(map(len, lines)) <= 30 and [way in " ".join(lines) for way in ways] == [True] * len(ways)
         assert ("Convert" in " ".join(lines)) == (obj == text)
+
+
+def test_a_mesh_whose_halves_differ_is_mirrored_from_its_positive_side(chosen):
+    """A ball with a bulge on the side of +X: the bulge is on both sides of its quads."""
+    obj = sphere()
+    for vertex in obj.data.vertices:
+        vertex.co.y *= 1.0 + max(vertex.co.x, 0.0) * (vertex.co.y > 0)
+    obj.data.update()
+    assert mirror_axes(obj) == ()
+    assert bpy.ops.synch.quad_mesh(faces=300, surface="AUTOMATIC", mirror=(True, False, False)) == {"FINISHED"}
+    made = bpy.context.active_object
+    points = {tuple(round(number, 4) + 0.0 for number in vertex.co) for vertex in made.data.vertices}
+    assert points == {(-x + 0.0, y, z) for x, y, z in points}
+    assert max(vertex.co.y for vertex in made.data.vertices if vertex.co.x < -0.2) > 1.15
