@@ -259,6 +259,7 @@ def test_why_an_object_carries_nothing_fits_into_the_panel():
         assert ("Convert" in " ".join(lines)) == (obj == text)
 
 
+@pytest.mark.any_surface
 def test_a_mesh_whose_halves_differ_is_mirrored_from_its_positive_side(chosen):
     """A ball with a bulge on the side of +X: the bulge is on both sides of its quads."""
     obj = sphere()
@@ -266,7 +267,7 @@ def test_a_mesh_whose_halves_differ_is_mirrored_from_its_positive_side(chosen):
         vertex.co.y *= 1.0 + max(vertex.co.x, 0.0) * (vertex.co.y > 0)
     obj.data.update()
     assert mirror_axes(obj) == ()
-    assert bpy.ops.synch.quad_mesh(faces=300, surface="AUTOMATIC", mirror=(True, False, False)) == {"FINISHED"}
+    assert bpy.ops.synch.quad_mesh(faces=300, mirror=(True, False, False)) == {"FINISHED"}
     made = bpy.context.active_object
     points = {tuple(round(number, 4) + 0.0 for number in vertex.co) for vertex in made.data.vertices}
     assert points == {(-x + 0.0, y, z) for x, y, z in points}
