@@ -115,22 +115,15 @@ def best_count(
     If it stays far from that, narrow tunnels are closed in a draft whose quads are too large for them, unless that
     makes bad corners. If there is one, no time goes into drafts with several times as many faces, or unsound ones.
     """
-    trials, refused = found.copy(), refused.copy()
+    trials, refused, left = found.copy(), refused.copy(), []
     for draft in sorted(drafts, key=lambda draft: draft.misses(wanted)):
         nearest = min((trial.misses(faces) for trial in trials), default=np.inf)
         if nearest <= draft.misses(wanted) or (len(trials) > len(found) and nearest <= FAR):
             break
         if refused and (draft.misses(wanted) > HOPELESS or not is_sound(draft)):
-            continue
-        settled = settle(draft)
-        try:
-            # Corrections that make many small faces of a few large ones are not used.
-            is_spoilt = settled.face_count < FEW and settled.traced_count > SPOILT * FEW
-            trials.append(Trial.of(draft if is_spoilt else settled))
-        except TooLargeQuads:
-            refused += [settled] if may_close_tunnels(settled) else []
-        except SettingError:
-            continue
+            left.append(draft)
+        else:
+            _try_draft(draft, trials, refused)
     best = min(trials, key=lambda trial: trial.misses(faces), default=None)
     narrow = min(refused, key=lambda draft: draft.misses(wanted), default=None)
     if narrow is not None and (best is None or best.misses(faces) > FAR):
@@ -139,9 +132,24 @@ def best_count(
             is_nearer = best is None or closed.misses(faces) < best.misses(faces)
             if is_nearer and (best is None or closed.mean_angle <= max(GOOD_ANGLE, best.mean_angle)):
                 return closed.finished(tried)
-    if best is None:
+    while left and not trials:
+        _try_draft(left.pop(0), trials, refused)
+    if not trials:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
     return choose(trials, faces, tried)
+
+
+def _try_draft(draft: Draft, trials: list[Trial], refused: list[Draft]) -> None:
+    """Settle and finish a draft, and add it to the trials, or to those refused where tunnels may be closed."""
+    settled = settle(draft)
+    try:
+        # Corrections that make many small faces of a few large ones are not used.
+        is_spoilt = settled.face_count < FEW and settled.traced_count > SPOILT * FEW
+        trials.append(Trial.of(draft if is_spoilt else settled))
+    except TooLargeQuads:
+        refused += [settled] if may_close_tunnels(settled) else []
+    except SettingError:
+        return
 
 
 class SpacingFactor:

@@ -22,7 +22,7 @@ from .fitting import project_vertices
 # Exponent of the norm of the corners' deviations, and weight of their root mean square that is added.
 POWER, SHARE = 8, 0.5
 # Deviation in radians below which the mean deviation is smooth.
-SMOOTH = np.radians(6)
+SMOOTH = 0.1
 # Largest move of a vertex in a round in each direction, in mean edges of its patch.
 REACH = 0.4
 # The first step, as a part of the largest move.
