@@ -148,14 +148,6 @@ def test_curves_have_a_core_that_tubes_can_be_seen_in():
     assert area(thin["object"]) < area(report["objects"][0])
 
 
-def test_thin_cores_and_many_quanta_are_warned_of():
-    obj = circle()
-    thin = clebsch(obj, show="tubes", quantum=0.5, resolution=16, target_gap=0.1, core=1.0)
-    assert any("from a core of 2 cells on, and it is 1: increase" in line for line in thin["warnings"])
-    thick = clebsch(obj, show="tubes", quantum=0.5, resolution=16, target_gap=0.1)
-    assert not any("core of" in line for line in thick["warnings"])
-
-
 @pytest.mark.parametrize("core, is_thin", [(1.0, True), (2.0, False)])
 def test_thin_cores_in_files_are_found_and_warned_of(tmp_path, core, is_thin):
     """A quantum of a core that is a cells wide has 3 pi a^2 faces: the circulation squared over the integral of
@@ -170,15 +162,6 @@ def test_thin_cores_in_files_are_found_and_warned_of(tmp_path, core, is_thin):
     report = clebsch(tmp_path / "ring.npz", show="tubes", quantum=1.0, target_gap=0.1)
     assert any("faces of the grid" in line for line in report["warnings"]) == is_thin
     assert (report["tubes"]["pieces"] > 3) == is_thin
-
-
-def test_where_there_is_no_filament_a_circulation_is_named_that_gives_one(tmp_path):
-    write_npz(tmp_path / "ring.npz")
-    report = clebsch(tmp_path / "ring.npz", quantum=2.0)
-    assert any("has no filaments" in line for line in report["warnings"])
-    (line,) = [line for line in report["warnings"] if "carry 0% of the vorticity: with" in line]
-    remedy = float(line.split("a circulation of ")[1].split()[0])
-    assert len(clebsch(tmp_path / "ring.npz", quantum=remedy)["filaments"]) >= 1
 
 
 def test_filaments_around_a_periodic_box_close(tmp_path):

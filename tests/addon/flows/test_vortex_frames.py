@@ -154,15 +154,6 @@ def test_the_circulation_is_that_of_the_frame_with_most_vorticity(tmp_path):
     assert first < last
 
 
-def test_warnings_name_the_frames_that_they_are_of(tmp_path):
-    for number in (1, 2):
-        write_vdb(tmp_path / f"wind{number}.vdb", name="wind", before=["Cd"] if number == 1 else ["wind2"])
-    settings = SETTINGS | {"quantum": 50.0, "attribute": "wind"}
-    report = api.clebsch(tmp_path / "wind#.vdb", frames=(1, 2), **settings)
-    (line,) = report["warnings"]
-    assert line.startswith("frames 1, 2: the map has no filaments: ask for more")
-
-
 def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
     before = snapshot()
     write_npz(tmp_path / "a1.npz")

@@ -45,7 +45,7 @@ def made_of(obj, **settings):
 def kept(obj):
     """What the panel would hand to the operator."""
     plain = stored_settings(obj)
-    return {"method": "SPECTRAL", "guidance": plain.guidance, "surface": obj.synch.surface, "faces": 40}
+    return {"method": "SPECTRAL", "guidance": plain.guidance, "surface": obj.synch.surface, "faces": 150}
 
 
 def is_noticed(made):

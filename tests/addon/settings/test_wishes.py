@@ -47,18 +47,6 @@ def test_result_of_directions_can_guide_stripes():
     np.testing.assert_allclose(np.abs(np.einsum("ij,ij->i", directions(obj), before)), 1, atol=1e-4)
 
 
-@pytest.mark.parametrize("symmetry", ["VECTOR", "LINE", "CROSS"])
-@pytest.mark.parametrize("boundary, expected", [("ALONG", 90), ("ACROSS", 0)])
-def test_directions_keep_to_the_boundary(symmetry, boundary, expected):
-    obj = tube()
-    bpy.ops.synch.directions(symmetry=symmetry, boundary=boundary)
-    angles = angles_to_axis(obj)[np.concatenate([LOWER, UPPER])]
-    if symmetry == "CROSS":
-        angles = np.minimum(angles, 90 - angles)
-        expected = 0
-    np.testing.assert_allclose(angles, expected, atol=1.0)
-
-
 def test_vertex_group_restricts_the_boundary():
     obj = tube()
     add_group(obj, "lower", LOWER)

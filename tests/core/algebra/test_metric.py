@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from synch_fields.core.algebra.metric import Hierarchy, Metric, with_positive_diagonal
+from synch_fields.core.algebra.metric import (
+    LARGEST_DENSE,
+    Hierarchy,
+    Inverse,
+    Metric,
+    dense_inverse,
+    with_positive_diagonal,
+)
 from synch_fields.core.connection import Connection
 from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
@@ -36,6 +43,24 @@ def test_a_lowered_hierarchy_is_that_of_the_matrix_less_the_diagonal(build, dept
         if level.prolongation is not None:
             prolongation = level.prolongation.toarray()
             matrix = prolongation.conj().T @ matrix @ prolongation
+
+
+@pytest.mark.parametrize("size", [1, 7, LARGEST_DENSE, LARGEST_DENSE + 1])
+@pytest.mark.parametrize("dtype", [np.float32, np.complex64])
+def test_small_matrices_are_inverted_and_larger_ones_factorized(size, dtype):
+    """Tridiagonal ones, whose off-diagonal numbers have any phase; one eigenvalue below zero is enough to refuse."""
+    phase = np.full(size - 1, 0.6 + 0.8j if dtype == np.complex64 else 1, dtype)
+    dense = (2.1 * np.eye(size) + np.diag(phase, 1) + np.diag(phase.conj(), -1)).astype(dtype)
+    right = np.random.default_rng(0).standard_normal((size, 3)).astype(dtype)
+    expected = np.linalg.solve(dense.astype(complex), right)
+    np.testing.assert_allclose(Inverse(csr_matrix(dense)).solve(right), expected, atol=2e-5 * np.abs(expected).max())
+    if size <= LARGEST_DENSE:
+        inverse = dense_inverse(csr_matrix(dense))
+        assert inverse.dtype == dtype and inverse.flags.c_contiguous
+        np.testing.assert_allclose(inverse @ dense, np.eye(size), atol=2e-4)
+    lowest = np.linalg.eigvalsh(dense)[0]
+    below = csr_matrix(dense - np.float32(lowest + 0.01) * np.eye(size, dtype=np.float32))
+    assert not Inverse(below).is_definite and (size > LARGEST_DENSE or dense_inverse(below) is None)
 
 
 @pytest.mark.parametrize("build", MULTILEVEL)

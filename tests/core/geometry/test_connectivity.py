@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.geometry import TriangleMesh
 
-from ..meshes import CLOSED, EVERY, annulus, cube, cylinder, icosphere, square, together, torus
+from ..meshes import EVERY, annulus, cube, cylinder, icosphere, square, together, torus
 
 
 def half_edges_by_pair(mesh):
@@ -52,12 +52,6 @@ def test_twins_are_the_same_edge_walked_the_other_way(build, characteristic):
 @pytest.mark.parametrize(("build", "characteristic"), EVERY)
 def test_euler_characteristic_counts_pieces_handles_and_holes(build, characteristic):
     assert build().euler_characteristic == characteristic
-
-
-@pytest.mark.parametrize(("build", "characteristic"), CLOSED)
-def test_closed_meshes_have_no_boundary(build, characteristic):
-    mesh = build()
-    assert len(mesh.boundary_edges) == 0 and not mesh.boundary_vertices.any()
 
 
 def test_boundaries_are_the_rims():

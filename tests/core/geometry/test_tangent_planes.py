@@ -9,7 +9,7 @@ from synch_fields.core.connection import levi_civita
 from synch_fields.core.defects import wrap
 from synch_fields.core.geometry import TriangleMesh
 
-from ..meshes import BOUNDED, CLOSED, EVERY, FLAT, cylinder, icosphere, shared_mesh
+from ..meshes import BOUNDED, CLOSED, EVERY, FLAT, cylinder, icosphere
 
 
 def rotation(seed):
@@ -28,13 +28,6 @@ def directed(mesh):
 def test_curvatures_sum_to_two_pi_chi(build, characteristic):
     mesh = build()
     assert mesh.face_curvatures.sum() == pytest.approx(2 * np.pi * characteristic, abs=1e-9)
-
-
-@pytest.mark.parametrize("name", ["spot", "rocker-arm", "botijo"])
-def test_curvatures_of_real_meshes_sum_to_two_pi_chi(name):
-    mesh = shared_mesh(name)
-    assert len(mesh.boundary_edges) == 0
-    assert mesh.face_curvatures.sum() == pytest.approx(2 * np.pi * mesh.euler_characteristic, abs=1e-8)
 
 
 @pytest.mark.parametrize(("build", "characteristic"), EVERY)

@@ -55,21 +55,6 @@ def test_tets_know_their_edges_and_faces(build, volume, chi):
         assert (mesh.face_tets[mesh.tet_faces[:, k]] == np.arange(mesh.tet_count)[:, None]).any(axis=1).all()
 
 
-def test_counts_of_a_block_are_those_of_its_grid():
-    a, b, c = 5, 4, 3
-    mesh = block((a, b, c))
-    sides = a * b + b * c + c * a
-    along = a * (b + 1) * (c + 1) + b * (c + 1) * (a + 1) + c * (a + 1) * (b + 1)
-    diagonals = a * b * (c + 1) + b * c * (a + 1) + c * a * (b + 1) + a * b * c
-    assert mesh.vertex_count == (a + 1) * (b + 1) * (c + 1)
-    assert mesh.tet_count == 6 * a * b * c
-    assert len(mesh.edges) == along + diagonals
-    assert len(mesh.faces) == (24 * a * b * c + 4 * sides) // 2
-    assert len(mesh.boundary_faces) == 4 * sides
-    inner = ((mesh.vertices > 1e-9) & (mesh.vertices < 1 - 1e-9)).all(axis=1)
-    np.testing.assert_array_equal(mesh.boundary_vertices, ~inner)
-
-
 @every_solid
 def test_euler_characteristic_of_solid_and_boundary(build, volume, chi):
     mesh = build()
@@ -142,25 +127,6 @@ def test_cotangent_weights_are_the_stiffness_of_linear_elements(build, volume, c
         gradients = np.linalg.inv(values)[1:].T
         stiffness[np.ix_(tet, tet)] += abs(np.linalg.det(values)) / 6 * gradients @ gradients.T
     np.testing.assert_allclose(laplacian(mesh, mesh.cotangent_weights), stiffness, atol=1e-10)
-
-
-@every_solid
-def test_cotangent_weights_are_opposite_lengths_times_cotangents(build, volume, chi):
-    mesh = build()
-    # The edge opposite to the k-th of the six is the (5 - k)-th.
-    shares = mesh.edge_lengths[mesh.tet_edges] / np.tan(np.radians(dihedral_angles(mesh))) / 6
-    expected = np.bincount(mesh.tet_edges.ravel(), shares[:, ::-1].ravel())
-    np.testing.assert_allclose(mesh.cotangent_weights, expected, atol=1e-8)
-
-
-@every_solid
-def test_linear_functions_are_harmonic_inside(build, volume, chi):
-    mesh = build()
-    values = mesh.vertices @ [0.3, -1.2, 0.7] + 0.4
-    residual = laplacian(mesh, mesh.cotangent_weights) @ values
-    inner = ~mesh.boundary_vertices & ~np.isin(np.arange(mesh.vertex_count), mesh.loose_vertices)
-    assert np.abs(residual[inner]).max(initial=0) < 1e-12
-    assert np.abs(residual[mesh.boundary_vertices]).max() > 1e-3
 
 
 @every_solid
