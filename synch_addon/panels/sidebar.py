@@ -28,7 +28,7 @@ from .painting import draw_map, draw_painting
 from .progress import draw_work, is_boxed
 from .row_operators import can_set, meshes_selected
 from .setting_presets import SYNCH_PT_presets
-from .setting_rows import draw_automatic, draw_setting, draw_settings, property_column, skip
+from .setting_rows import NAMES, draw_automatic, draw_setting, draw_settings, property_column, skip
 
 # Letters that fit into a line of the panel at its default width.
 _LINE = 30
@@ -78,7 +78,11 @@ def draw_mirror(column, settings, axes):
 
 def _draw_mirror_of_any(column, settings, axes, source):
     """All axes: in those in which the halves of the mesh differ, a modifier mirrors one of them."""
-    row, modifier = column.row(align=True, heading="Mirror"), half_modifier(source)
+    split, modifier = column.split(factor=NAMES), half_modifier(source)
+    split.use_property_split = False
+    label, row = split.row(), split.row(align=True)
+    label.alignment = "RIGHT"
+    label.label(text="Mirror")
     for axis, name in enumerate("XYZ"):
         button = row.row(align=True)
         if axis in axes:
