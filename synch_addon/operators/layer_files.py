@@ -37,7 +37,8 @@ _STEP = FloatProperty(
 
 _MACHINE = StringProperty(
     name="Machine",
-    description="Name of a printer, such as marlin, or a file that describes one (.toml); empty for three axes",
+    description="marlin, klipper, clay, five_axis_ac or five_axis_bc, or a file that "
+    "describes a printer (.toml); empty for three axes",
     subtype="FILE_PATH",
 )
 
