@@ -171,9 +171,9 @@ class BackgroundOperator:
         return self._announce(context, report)
 
     def _announce(self, context, report):
-        for warning in report.get("warnings", ()):
-            self.report({"WARNING"}, self._name_object(context, warning))
         self.report({"INFO"}, self._name_object(context, self._headline(report)))
+        for warning in report.get("warnings", ()):  # last, since the window shows the last line alone
+            self.report({"WARNING"}, self._name_object(context, warning))
         return {"FINISHED"}
 
     def _look_after(self, work):
