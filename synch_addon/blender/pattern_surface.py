@@ -63,5 +63,6 @@ def shown_by(modifier):
 
 
 def is_of_modifiers(obj):
-    """Whether the surface that an object's modifier shows was made of other vertices than the object's own."""
-    return input_value(surface_modifier(obj), "Vertices") != len(obj.data.vertices)
+    """Whether an object's modifier shows a surface that was made of other vertices than the object's own."""
+    modifier = surface_modifier(obj)
+    return modifier is not None and input_value(modifier, "Vertices") != len(obj.data.vertices)
