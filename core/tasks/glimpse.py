@@ -26,9 +26,10 @@ from .surface_source import PendingGuide, SurfaceSource
 if TYPE_CHECKING:
     from .surfaces import SurfaceRequest
 
-# Vertices from which on meshes have a glimpse; cells in a period, and in two quads; least number of vertices to one of
-# the copy.
-FEWEST, CELLS, CELLS_OF_MESHES, LEAST = 20_000, 1.2, 1.8, 3
+# Vertices from which on meshes have a glimpse of stripes and quads, and of quad meshes, whose drafts take longer; cells
+# in a period, and in two quads; least number of vertices to one of the copy.
+FEWEST, FEWEST_OF_MESHES = 20_000, 6_000
+CELLS, CELLS_OF_MESHES, LEAST = 1.2, 1.8, 3
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,12 @@ def glimpse(request: "SurfaceRequest") -> Picture | None:
     """
     mesh, source, spacings = request.given.mesh, request.source, request.spacings
     is_bound = request.given.seam is not None or request.pins or source.directions is not None
-    if mesh.vertex_count < FEWEST or is_bound or request.start is not None:
-        return None
-    cells = CELLS
+    fewest, cells = FEWEST, CELLS
     if request.command == "quad_mesh":
-        spacings, cells = spacings * (2 * request.side / float(np.mean(spacings))), CELLS_OF_MESHES
+        fewest, cells = FEWEST_OF_MESHES, CELLS_OF_MESHES
+        spacings = spacings * (2 * request.side / float(np.mean(spacings)))
+    if mesh.vertex_count < fewest or is_bound or request.start is not None:
+        return None
     cluster = _clusters(mesh, float(np.min(spacings)) / cells)
     count = int(cluster.max()) + 1
     if LEAST * count > mesh.vertex_count:
