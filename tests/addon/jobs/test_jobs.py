@@ -296,6 +296,8 @@ def test_good_enough_keeps_the_draft_of_a_quad_mesh():
     operator.command = "quad_mesh"
     loop, operator = begun(operator)
     loop.run(operator, until=lambda: queue.running.picture is not None)
+    assert not bpy.ops.synch.keep.poll()  # a glimpse is no result
+    loop.run(operator, until=lambda: queue.running.shows_result)
     assert queue.running.picture.of_quads
     bpy.ops.synch.keep()
     assert loop.run(operator) == {"FINISHED"}
