@@ -167,8 +167,8 @@ def _replace_by_images(
 ) -> tuple[Division, np.ndarray, float]:
     """Divide the positive side of mirrors and add its images, as :func:`_divide_symmetrically`.
 
-    The corners and weights of images are those of the nearest triangles of the side that they replace. Also returns how
-    far the vertices of that side are at most.
+    Parents and weights of a mirrored triangle are those of the nearest triangle of the side that is replaced. Also
+    returns the largest distance of that side's vertices from the new surface.
     """
     mesh, of_axes = TriangleMesh(whole.vertices, whole.triangles), list(axes)
     reflections = [Reflection.of_half(mesh, int(corners.max()) + 1, edge_count, axis) for axis in axes]

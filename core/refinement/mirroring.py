@@ -13,7 +13,7 @@ from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import find, pair_keys
 from .division import TRIANGLE_EDGES, Division, Faces, join_faces
 
-# Vertices are moved onto a plane from this share of their shortest edge.
+# Vertices are moved onto a plane that is nearer than this share of their shortest edge.
 NEAR_PLANE = 0.2
 
 
@@ -37,7 +37,7 @@ class Reflection:
     def of_half(cls, mesh: TriangleMesh, corner_count: int, edge_count: int, axis: int) -> Self:
         """A reflection of the positive side, whose vertices near the plane are moved onto it.
 
-        Vertices off the plane have no image; corners and edges stand for their images.
+        Vertices off the plane have no image yet. The image of a corner or an edge keeps its number.
         """
         shortest = np.full(mesh.vertex_count, np.inf)
         np.minimum.at(shortest, mesh.edges, mesh.edge_lengths[:, None])

@@ -40,14 +40,11 @@ def read_weights(obj, name, outside=0.0, members=None):
 
 
 def write_weights(obj, name, weights):
-    """A new vertex group of (n,) weights, without the vertices whose weight is 0."""
-    group = obj.vertex_groups.new(name=name)
-    for vertex in np.flatnonzero(weights > 0).tolist():
-        group.add([vertex], float(weights[vertex]), "REPLACE")
-
-
-def set_weights(obj, name, weights):
-    """Give a vertex group, which is made if need be, (n,) weights."""
-    group = obj.vertex_groups.get(name) or obj.vertex_groups.new(name=name)
-    for vertex in np.flatnonzero(weights != read_weights(obj, name)).tolist():
+    """Give a vertex group, which is made if need be, (n,) weights; only vertices whose weight changes are touched."""
+    group, before = obj.vertex_groups.get(name), 0.0
+    if group is None:
+        group = obj.vertex_groups.new(name=name)
+    else:
+        before = read_weights(obj, name)
+    for vertex in np.flatnonzero(weights != before).tolist():
         group.add([vertex], float(weights[vertex]), "REPLACE")

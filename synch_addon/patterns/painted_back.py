@@ -38,6 +38,6 @@ def paint_back(made, source):
     shares = nearest_in_triangles(places, surface.vertices[corners.T])
     given = np.zeros(len(places)) if is_new else groups.read_weights(source, name)
     up, down = (np.einsum("nk,nk->n", shares, way[corners]) for way in (up, down))
-    groups.set_weights(source, name, np.clip(given + up * (1 - given) - down * given, 0.0, 1.0))
+    groups.write_weights(source, name, np.clip(given + up * (1 - given) - down * given, 0.0, 1.0))
     attributes.write(made, schema.MAPPED, now)
     return True

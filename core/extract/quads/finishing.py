@@ -58,8 +58,8 @@ def finish_quads(
     closes_tunnels : whether handles of a closed surface may be lost
     apart : tells the (n,) bool vertices of a quad mesh that no new edge may join to one another
     wanted : number of faces for which strips of quads are added or removed, as far as these exist; 0 for any number
-    later : gets a function that makes the mesh with the last step, which takes long where corners are bad and is then
-        not done; optional
+    later : list, optional; where corners are bad, the last step of smoothing takes long: it is then left to the caller,
+        as a function that is added here and returns the mesh
 
     Errors as :func:`check_quads`.
     """

@@ -257,7 +257,7 @@ def weights_of(obj, name):
 def test_what_is_painted_on_the_quad_mesh_counts_for_its_source(ball, has_map):
     """On the side of +X the quads become half as long, whether the source had a map before or not."""
     if has_map:
-        groups.set_weights(ball, "Fine", (places(ball)[:, 2] > 0.5).astype(float))
+        groups.write_weights(ball, "Fine", (places(ball)[:, 2] > 0.5).astype(float))
         ball.synch.spacing_map, ball.synch.spacing_range = "Fine", 0.8
     before = weights_of(ball, "Fine") if has_map else np.zeros(len(ball.data.vertices))
     made = made_of(ball, faces=400, **({"spacing_map": "Fine", "spacing_range": 0.8} if has_map else {}))
@@ -268,7 +268,7 @@ def test_what_is_painted_on_the_quad_mesh_counts_for_its_source(ball, has_map):
     bpy.ops.synch.paint_map(target="SPACING")
     name = made.synch.spacing_map
     made.synch.spacing_range = 0.5
-    groups.set_weights(made, name, np.where(places(made)[:, 0] > 0.2, 1.0, weights_of(made, name)))
+    groups.write_weights(made, name, np.where(places(made)[:, 0] > 0.2, 1.0, weights_of(made, name)))
     assert bpy.ops.synch.done_painting() == {"FINISHED"} and made.mode == "OBJECT"
     right = places(ball)[:, 0]
     painted = weights_of(ball, name)
