@@ -10,6 +10,7 @@
 import re
 import zlib
 from base64 import b64decode
+from codecs import BOM_UTF8
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -92,11 +93,11 @@ def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
 def medit_sections(path: Path, content: bytes) -> dict[str, str]:
     """The text after each keyword of a MEDIT file of dimension 3."""
     try:
-        text = re.sub(r"#.*", "", content.decode("ascii"))
+        text = re.sub(rb"#.*", b"", content.removeprefix(BOM_UTF8)).decode("ascii")
     except UnicodeDecodeError as error:
         raise SettingError(f"{path} is not a text file: export it as ASCII .mesh") from error
-    # Words of three letters and more are keywords; digits come before the letter of a number.
-    parts = re.split(r"\b([A-Za-z]\w{2,})", text)
+    # Words of three letters and more are keywords; a digit or a point comes before the letter of a number.
+    parts = re.split(r"(?<![\w.])([A-Za-z]\w{2,})", text)
     sections = dict(zip(parts[1::2], parts[2::2], strict=True))
     if "MeshVersionFormatted" not in sections:
         raise SettingError(f"{path} is not a MEDIT file: it lacks MeshVersionFormatted, export it again")
@@ -245,7 +246,7 @@ def _plain(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
     if raw:
         return _bytes(stored, width, size, raw)
     alone = _characters(width)
-    if stored[:alone].endswith(b"="):
+    if stored[:alone].endswith(b"=" * (-width % 3)):  # a byte of data in the same stream leaves one "=" less
         return _bytes(stored, alone, size, raw)
     return _bytes(stored, 0, width + size, raw)[width:]
 
