@@ -309,6 +309,14 @@ def test_voxels_hold_the_cosine_of_the_phase(layering):
     np.testing.assert_allclose(voxels.values[10, 10], expected, atol=1e-5)
 
 
+def test_as_many_voxels_as_asked_for_lie_along_the_longest_side(layering):
+    """Also where an extent over a number, and that into the extent, is a little more than the number: 1 / (1 / 49)."""
+    extent = float(np.ptp(layering.solid.vertices, axis=0).max())
+    assert any(extent / (extent / number) > number for number in range(40, 60))
+    for number in range(40, 60):
+        assert layering.voxels(number).solve().values.shape == (number,) * 3
+
+
 def test_too_many_voxels_are_refused_with_a_number_that_does(layering):
     with pytest.raises(SettingError, match=r"1.0e\+12 voxels, and 5e\+07 is the most: reduce it to ") as caught:
         layering.voxels(10_000)
