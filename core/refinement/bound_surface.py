@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import AsymmetryError, SettingError
+from ..errors import AsymmetryError, SettingError, round_up
 from ..geometry.mesh_input import ObjectMesh
 from ..geometry.nearest import nearest_in_triangles
 from ..geometry.polygons import Polygons
@@ -35,7 +35,7 @@ class TooFineError(SettingError):
     def __init__(self, longest: float, factor: float) -> None:
         super().__init__(
             f"edges of at most {longest:.3g} would make more than {MOST_TRIANGLES} triangles of this mesh: "
-            f"ask for edges of {factor * longest:.3g}"
+            f"ask for edges of {round_up(factor * longest)}"
         )
         self.longest, self.factor = longest, factor
 
