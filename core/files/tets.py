@@ -47,6 +47,11 @@ def read_tets(path: str | Path) -> TetMesh:
 def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
     """Read a solid as :func:`read_tets`, and (k, 3) vertices of its marked triangles: by ``ref_NUMBER`` for the
     references of a ``.mesh``, by ``NAME_NUMBER`` for whole numbers on the cells of a ``.vtu``."""
+    return read_numbered_tets(path)[:2]
+
+
+def read_numbered_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray], np.ndarray]:
+    """Read a solid as :func:`read_marked_tets`, and which of the file's tetrahedra are its own, bool."""
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -62,7 +67,9 @@ def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
                 f"tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
             )
         mesh = TetMesh(vertices, positive(vertices, tets))
-        return _enclosed_parts(mesh, triangles), _number_groups(triangles, numbers, len(vertices))
+        own = _enclosed_parts(mesh, triangles)
+        mesh = mesh if own.all() else TetMesh(vertices, mesh.tets[own])
+        return mesh, _number_groups(triangles, numbers, len(vertices)), own
 
 
 def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
@@ -75,10 +82,11 @@ def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count:
     }
 
 
-def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
-    """The parts of a solid, cut by triangles, whose boundaries consist of triangles only."""
+def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> np.ndarray:
+    """(m,) bool: tetrahedra of the parts of a solid, cut by triangles, whose boundaries consist of triangles only; all
+    where there are no such parts."""
     if not len(triangles):
-        return mesh
+        return np.ones(mesh.tet_count, bool)
     _, names = np.unique(np.concatenate([mesh.faces, np.sort(triangles, axis=1)]), axis=0, return_inverse=True)
     names = names.reshape(-1)
     is_wall = np.isin(names[: len(mesh.faces)], names[len(mesh.faces) :])
@@ -87,7 +95,7 @@ def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
     is_open = np.zeros(parts.max(initial=-1) + 1, bool)
     is_open[parts[mesh.face_tets[is_hull & ~is_wall, 0]]] = True
     kept = ~is_open[parts]
-    return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])
+    return kept | ~kept.any()
 
 
 def medit_sections(path: Path, content: bytes) -> dict[str, str]:
