@@ -102,6 +102,7 @@ def test_no_infill_leaves_the_core_empty(cuboid):
         ({"infill": -0.1}, "the infill is -0.1"),
         ({"walls": -1}, "the walls is -1"),
         ({"skins": -2}, "the skins is -2"),
+        ({"walls": 0, "skins": 0, "infill": 0}, "are all 0: give one of them"),
     ],
 )
 def test_shares_and_numbers_out_of_range_are_refused(settings, reason):
