@@ -116,7 +116,7 @@ def refine(
             if not may_replace:
                 raise
             division, parents, apart = _replace_by_images(whole, corners, len(edges), longest, axes)
-    kept = _find_kept(division, parents, faces, corners, triangle_corners, usable)
+    kept = _find_kept(division, parents, faces, triangle_corners, usable)
     joins = int((own != np.arange(len(own))).sum()) + split
     if apart is None:
         return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
@@ -226,7 +226,6 @@ def _find_kept(
     division: Division,
     parents: np.ndarray,
     faces: np.ndarray,
-    corners: np.ndarray,
     triangle_corners: np.ndarray,
     usable: np.ndarray,
 ) -> np.ndarray:

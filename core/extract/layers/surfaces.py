@@ -58,20 +58,17 @@ class LayerSurfaces:
         return np.bincount(self.layers, areas, self.count)
 
 
-def layer_surfaces(
-    edge_phases: EdgePhases[TetMesh], heights: np.ndarray, offset: float = 0.0, by_level: bool = False
-) -> LayerSurfaces:
-    """Extract the layers where the phase is offset + 2 pi k.
+def layer_surfaces(edge_phases: EdgePhases[TetMesh], heights: np.ndarray, by_level: bool = False) -> LayerSurfaces:
+    """Extract the layers where the phase is 2 pi k.
 
     Parameters
     ----------
     edge_phases : one phase a vertex
     heights : (n,) for the order of layers, such as :attr:`LayerPattern.heights`
-    offset : radians
     by_level : number levels instead of pieces, in each piece of the solid from its lowest layer; a piece of a layer
         whose level varies, around dislocations, has the level of its mean height
     """
-    mesh, crossings = edge_phases.mesh, crossings_of(edge_phases, offset)
+    mesh, crossings = edge_phases.mesh, crossings_of(edge_phases)
     numbers = face_numbers(edge_phases)
     punctured = outward_numbers(mesh, numbers).any(axis=1)
     triangles, quads = polygons_in(crossings, np.flatnonzero(~punctured))

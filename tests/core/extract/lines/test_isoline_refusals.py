@@ -56,6 +56,6 @@ def test_points_too_close_together_are_refused_with_a_distance_that_fits(monkeyp
     total = lines.lengths.sum()
     for factor in np.linspace(1, 1.1, 11):
         monkeypatch.setattr("synch_fields.core.extract.lines.isolines.MOST", 1000 * factor)
-        with pytest.raises(SettingError, match="are more than .*: make it ") as caught:
+        with pytest.raises(SettingError, match=r"are more than .*: make it ") as caught:
             lines.resampled(0.5 * total / 1000)
         lines.resampled(float(str(caught.value).split("make it ")[1].split()[0]))
