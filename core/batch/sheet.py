@@ -135,9 +135,9 @@ def _card(entry: Record, thumbnail: Path) -> str:
 
 def _card_lines(entry: Record) -> Iterator[tuple[str, str]]:
     """Names and HTML values of a card's lines."""
-    if "nodes" in entry:
+    if entry.get("nodes") is not None:
         yield "vertices", f"{entry['nodes']:,}"
-    if "energy" in entry:
+    if entry.get("energy") is not None:
         yield "energy", f"{entry['energy']:.6g}"
     if _gap(entry) is not None:
         kind = escape(str(entry.get("certificate", "")))

@@ -9,6 +9,7 @@ import math
 import re
 import struct
 import zlib
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -77,8 +78,8 @@ def read_bytes(path: str | Path, each: int = 1) -> bytes:
 
 
 def read_text(path: str | Path, each: int = TEXT_BYTES, encoding: str = "utf-8") -> str:
-    """The text of a file, as :func:`read_bytes` reads its bytes."""
-    return read_bytes(path, each).decode(encoding)
+    """The text of a file, as :func:`read_bytes` reads its bytes, without the mark that Windows may put before it."""
+    return read_bytes(path, each).removeprefix(BOM_UTF8).decode(encoding)
 
 
 def text_numbers(text: str, dtype: DTypeLike = float) -> np.ndarray:

@@ -172,12 +172,14 @@ def _placed(array: Any, arrays: dict[str, Any], order: list[int], component: int
     own_spacing = _own_spacing(arrays)
     spacing = of_grid.get("gridSpacing", np.ones(3) if own_spacing is None else own_spacing[np.argsort(order)])
     origin = of_grid.get("gridGlobalOffset", np.zeros(3))
+    aside = np.ravel(getattr(array, "attrs", {}).get("position", ()))  # of openPMD, in spacings: staggered components
+    aside = aside if len(aside) == 3 else np.zeros(3)
     places = []
     for axis, number in enumerate(order):
         own, usual = arrays.get(names[number]), _axis(arrays, _COORDINATES[axis])
         given = [along for along in (own, usual) if along is not None and along.shape == (shape[number],)]
-        even = origin[number] + spacing[number] * np.arange(shape[number])
-        places.append(np.asarray(given[0][:], float) if given else even)
+        even = origin[number] + spacing[number] * (aside[number] + np.arange(shape[number]))
+        places.append(_values(given[0], 0) if given else even)
     return values, places
 
 
@@ -225,7 +227,7 @@ def _axis(arrays: dict[str, Any], names: tuple[str, ...]) -> np.ndarray | None:
     """The coordinates along an axis, None where the file has none."""
     for name, array in arrays.items():
         if name.lower() in names and len(array.shape) == 1:
-            return np.asarray(array[:], float)
+            return _values(array, 0)
     return None
 
 

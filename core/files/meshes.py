@@ -85,8 +85,8 @@ def _ply_header(content: bytes) -> tuple[str, list[tuple[int, list[list[str]]]],
         raise ValueError("it does not begin with ply, or end with end_header")
     kind: str | None = None
     elements: list[tuple[int, list[list[str]]]] = []
-    for line in header.decode("ascii").splitlines()[1:]:
-        words = line.split()
+    for line in header.splitlines()[1:]:
+        words = (text := line.decode("utf-8", "replace")).split()  # comments may be of any encoding
         match words:
             case [] | ["comment" | "obj_info", *_]:
                 continue
@@ -99,7 +99,7 @@ def _ply_header(content: bytes) -> tuple[str, list[tuple[int, list[list[str]]]],
             case ["property", item, _] if elements and item in _SIZES:
                 elements[-1][1].append([item])
             case _:
-                raise ValueError(f"it has the line {quote_value(line)}")
+                raise ValueError(f"it has the line {quote_value(text)}")
     if kind is None:
         raise ValueError("it has no format")
     return kind, elements, body.removeprefix(b"\r").removeprefix(b"\n")

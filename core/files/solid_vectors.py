@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh
 from .border import TEXT_BYTES, border, read_bytes, text_numbers
-from .tets import VTK_TET, medit_sections, read_tets, vtu_array, vtu_root, vtu_sizes
+from .tets import VTK_TET, medit_sections, read_numbered_tets, vtu_array, vtu_root, vtu_sizes
 
 SUFFIXES = (".vtu", ".sol")
 # Numbers of MEDIT's types of fields.
@@ -45,7 +45,7 @@ def read_vectors(path: str | Path, name: str = "") -> SolidVectors:
 def _read(path: Path, name: str) -> SolidVectors:
     content = read_bytes(path, TEXT_BYTES)
     is_vtu = path.suffix.lower() == ".vtu"
-    mesh = read_tets(path if is_vtu else path.with_suffix(".mesh"))
+    mesh, _, own = read_numbered_tets(path if is_vtu else path.with_suffix(".mesh"))
     fields = _of_vtu(path, content) if is_vtu else _of_sol(path, content)
     have = ", ".join(f"{field} on {'points' if at_points else 'cells'}" for field, at_points in fields) or "none"
     chosen = [key for key in fields if name in ("", key[0])]
@@ -53,14 +53,14 @@ def _read(path: Path, name: str) -> SolidVectors:
         named = f"has no single array of vectors {name!r}" if name else "has not one array of vectors"
         raise SettingError(f"{path} {named} (it has {have}): name one of these")
     values, at_points = fields[chosen[0]], chosen[0][1]
-    wanted = mesh.vertex_count if at_points else mesh.tet_count
+    wanted = mesh.vertex_count if at_points else len(own)
     if len(values) != wanted:
         kind = "vertices" if at_points else "tetrahedra"
         raise SettingError(f"{path} has {len(values)} vectors for {wanted} {kind} of the solid: give one for each")
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if len(bad):
         raise SettingError(f"{path}: vector {bad[0]} is not finite: set its numbers")
-    return SolidVectors(mesh, values, at_points)
+    return SolidVectors(mesh, values if at_points else values[own], at_points)
 
 
 def _of_vtu(path: Path, content: bytes) -> dict[tuple[str, bool], np.ndarray]:

@@ -10,6 +10,7 @@
 import re
 import zlib
 from base64 import b64decode
+from codecs import BOM_UTF8
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -46,6 +47,11 @@ def read_tets(path: str | Path) -> TetMesh:
 def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
     """Read a solid as :func:`read_tets`, and (k, 3) vertices of its marked triangles: by ``ref_NUMBER`` for the
     references of a ``.mesh``, by ``NAME_NUMBER`` for whole numbers on the cells of a ``.vtu``."""
+    return read_numbered_tets(path)[:2]
+
+
+def read_numbered_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray], np.ndarray]:
+    """Read a solid as :func:`read_marked_tets`, and which of the file's tetrahedra are its own, bool."""
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -61,7 +67,9 @@ def read_marked_tets(path: str | Path) -> tuple[TetMesh, dict[str, np.ndarray]]:
                 f"tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
             )
         mesh = TetMesh(vertices, positive(vertices, tets))
-        return _enclosed_parts(mesh, triangles), _number_groups(triangles, numbers, len(vertices))
+        own = _enclosed_parts(mesh, triangles)
+        mesh = mesh if own.all() else TetMesh(vertices, mesh.tets[own])
+        return mesh, _number_groups(triangles, numbers, len(vertices)), own
 
 
 def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
@@ -74,10 +82,11 @@ def _number_groups(triangles: np.ndarray, numbers: dict[str, np.ndarray], count:
     }
 
 
-def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
-    """The parts of a solid, cut by triangles, whose boundaries consist of triangles only."""
+def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> np.ndarray:
+    """(m,) bool: tetrahedra of the parts of a solid, cut by triangles, whose boundaries consist of triangles only; all
+    where there are no such parts."""
     if not len(triangles):
-        return mesh
+        return np.ones(mesh.tet_count, bool)
     _, names = np.unique(np.concatenate([mesh.faces, np.sort(triangles, axis=1)]), axis=0, return_inverse=True)
     names = names.reshape(-1)
     is_wall = np.isin(names[: len(mesh.faces)], names[len(mesh.faces) :])
@@ -86,17 +95,17 @@ def _enclosed_parts(mesh: TetMesh, triangles: np.ndarray) -> TetMesh:
     is_open = np.zeros(parts.max(initial=-1) + 1, bool)
     is_open[parts[mesh.face_tets[is_hull & ~is_wall, 0]]] = True
     kept = ~is_open[parts]
-    return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])
+    return kept | ~kept.any()
 
 
 def medit_sections(path: Path, content: bytes) -> dict[str, str]:
     """The text after each keyword of a MEDIT file of dimension 3."""
     try:
-        text = re.sub(r"#.*", "", content.decode("ascii"))
+        text = re.sub(rb"#.*", b"", content.removeprefix(BOM_UTF8)).decode("ascii")
     except UnicodeDecodeError as error:
         raise SettingError(f"{path} is not a text file: export it as ASCII .mesh") from error
-    # Words of three letters and more are keywords; digits come before the letter of a number.
-    parts = re.split(r"\b([A-Za-z]\w{2,})", text)
+    # Words of three letters and more are keywords; a digit or a point comes before the letter of a number.
+    parts = re.split(r"(?<![\w.])([A-Za-z]\w{2,})", text)
     sections = dict(zip(parts[1::2], parts[2::2], strict=True))
     if "MeshVersionFormatted" not in sections:
         raise SettingError(f"{path} is not a MEDIT file: it lacks MeshVersionFormatted, export it again")
@@ -245,7 +254,7 @@ def _plain(stored: bytes, header: np.dtype, raw: bool, wanted: int) -> bytes:
     if raw:
         return _bytes(stored, width, size, raw)
     alone = _characters(width)
-    if stored[:alone].endswith(b"="):
+    if stored[:alone].endswith(b"=" * (-width % 3)):  # a byte of data in the same stream leaves one "=" less
         return _bytes(stored, alone, size, raw)
     return _bytes(stored, 0, width + size, raw)[width:]
 

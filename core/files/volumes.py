@@ -126,7 +126,7 @@ class VoxelFlow:
     ----------
     channels : along the file's three axes
     box : lowest and highest corner in the world
-    turn : (3, 3) matrix from the file's velocities to the world
+    turn : (3, 3) matrix from the file's space to the world
     is_staggered : whether each component is known on the faces across its axis
     is_vorticity : whether the values are the vorticity of the flow
     warnings : lines that the user should read
@@ -153,8 +153,10 @@ class VoxelFlow:
         return box_grid(*self.box, resolution)
 
     def at(self, places: np.ndarray) -> np.ndarray:
-        """(n, 3) vectors at places in the world."""
-        return np.stack([channel.at(places) for channel in self.channels], axis=1) @ self.turn.T
+        """(n, 3) vectors at places in the world. Velocities grow with the volume's scale; vorticities do not, and they
+        change their sign where it is mirrored."""
+        turn = self.turn / np.cbrt(np.linalg.det(self.turn)) if self.is_vorticity else self.turn
+        return np.stack([channel.at(places) for channel in self.channels], axis=1) @ turn.T
 
     def integrals(self, grid: Grid) -> np.ndarray:
         """(e,) integrals of the velocity along the grid's edges; for staggered files also by their middles, where the

@@ -15,6 +15,8 @@ from ..errors import MeshError
 
 # Axes of the faces' edges: a face runs counterclockwise from the first to the second, seen from the head of its normal.
 _PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
+# Least length of a box, so that one without an extent has a spacing whose cube is not 0.
+_SHORTEST = 1e-30
 
 
 class Grid:
@@ -235,7 +237,7 @@ class Grid:
 
 def box_grid(low: np.ndarray, high: np.ndarray, resolution: int) -> Grid:
     """Build a :class:`Grid` of cubes over a box with ``resolution`` nodes along its longest side."""
-    size = np.maximum(high - low, 1e-9)
+    size = np.maximum(high - low, _SHORTEST)
     spacing = size.max() / (resolution - 1)
     counts = np.maximum(np.round(size / spacing).astype(int) + 1, 4)
     origin = (low + high) / 2 - spacing * (counts - 1) / 2

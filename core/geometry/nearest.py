@@ -58,7 +58,7 @@ class NearestTriangles:
         places, squares = np.empty_like(points), np.empty(len(points))
         for part in _split(np.arange(len(points))):
             places[part], squares[part] = self._nearest_on(points[part], found[part])
-        slack = ROUNDING * max(np.abs(self.vertices).max(), np.abs(points).max(initial=0))
+        slack = ROUNDING * max(self._largest, np.abs(points).max(initial=0))
         top = len(self._boxes) - 1
         parts = _split(np.flatnonzero(squares > enough**2) if enough else np.arange(len(points)))
         # The last part is on top, so that few parts wait at any time.
@@ -161,6 +161,11 @@ class NearestTriangles:
     def _corners(self) -> np.ndarray:
         """(3, m, 3) coordinates."""
         return self.vertices[self.triangles.T]
+
+    @cached_property
+    def _largest(self) -> float:
+        """The largest coordinate of the triangles; other vertices may be anywhere, even not finite."""
+        return float(np.abs(self._corners).max())
 
     @cached_property
     def _centres(self) -> cKDTree:

@@ -109,7 +109,7 @@ def gcode(course: Course, machine: Machine) -> Program:
     course, warnings = _with_skirt(course, machine)
     moves = _Moves.of(course, machine)
     writer = ProgramWriter(machine)
-    rows = [*_header(course, machine, moves), *_begin(machine)]
+    rows = [*_header(course, moves), *_begin(machine)]
     tops, clearances = _tops(moves.places, machine), moves.clearances(course, machine)
     before, top, number = None, -np.inf, 0
     fan, is_first = False, course.is_first
@@ -349,7 +349,7 @@ def _tops(places: np.ndarray, machine: Machine) -> np.ndarray:
     return machine.pivot_z + np.linalg.norm(places - [0, 0, machine.pivot_z], axis=1)
 
 
-def _header(course: Course, machine: Machine, moves: _Moves) -> list[str]:
+def _header(course: Course, moves: _Moves) -> list[str]:
     """Comments that previews and printers read."""
     facts, whole = moves.facts, round(moves.facts["seconds"])
     hours, minutes, seconds = whole // 3600, whole // 60 % 60, whole % 60

@@ -48,7 +48,7 @@ def sparse_beads(
     walls, of, points = cut_lines(beads.lines, ~is_deep(beads.lines, beads.layers, machine.walls * step), _SHORT * step)
     parts = [(walls, beads.layers[of], beads.kinds[of], beads.widths[points])]
     if machine.infill:
-        lines, layers = _diagonals(surfaces, spacing, step / machine.infill)
+        lines, layers = _diagonals(surfaces, step / machine.infill)
         lines = lines.resampled(_APART * step)
         lines, of, _ = cut_lines(lines, is_deep(lines, layers, (machine.walls - _OVERLAP) * step), _SHORT * step)
         lines = without_straight_points(lines, np.inf)
@@ -69,18 +69,15 @@ def _in_core(
     return np.minimum(*ways) > skins * spacing
 
 
-def _diagonals(surfaces: LayerSurfaces, spacing: float, apart: float) -> tuple[Isolines, np.ndarray]:
+def _diagonals(surfaces: LayerSurfaces, apart: float) -> tuple[Isolines, np.ndarray]:
     """Lines at 45 degrees to two axes across the layers' mean normal, and (l,) their layers."""
     mesh = surfaces.mesh
     normal = mesh.areas @ mesh.face_normals
     size = np.linalg.norm(normal)
     normal = normal / size if size > 0 else np.array([0.0, 0.0, 1.0])
     first, second = across(normal)
-    heights = mesh.areas * (mesh.vertices[mesh.triangles].mean(axis=1) @ normal)
-    heights = np.bincount(surfaces.layers, heights) / np.bincount(surfaces.layers, mesh.areas)
-    is_odd = np.rint(heights / spacing) % 2 == 1
     turned = np.zeros(len(surfaces.vertices), bool)
-    turned[surfaces.triangles] = is_odd[surfaces.layers][:, None]
+    turned[surfaces.triangles] = (surfaces.levels % 2 == 1)[surfaces.layers][:, None]
     along, other = surfaces.vertices @ first, surfaces.vertices @ second
     values = (along + np.where(turned, -other, other)) / np.sqrt(2)
     if not is_flat(surfaces):

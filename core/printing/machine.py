@@ -141,6 +141,8 @@ class Machine:
         for name in ("fan", "infill"):
             if getattr(self, name) > 1:
                 raise SettingError(f"the {name} is {getattr(self, name):g}: give a share from 0 to 1")
+        if not (self.walls or self.skins or self.infill):
+            raise SettingError("the walls, skins and infill are all 0: give one of them, or nothing would be printed")
         if not self.largest_height > self.smallest_height:
             raise SettingError(f"the largest_height is {self.largest_height:g}: give more than the smallest_height")
         for name in ("nozzle_angle", "largest_tilt"):

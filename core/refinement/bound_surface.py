@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import AsymmetryError, SettingError
+from ..errors import AsymmetryError, SettingError, round_up
 from ..geometry.mesh_input import ObjectMesh
 from ..geometry.nearest import nearest_in_triangles
 from ..geometry.polygons import Polygons
@@ -35,7 +35,7 @@ class TooFineError(SettingError):
     def __init__(self, longest: float, factor: float) -> None:
         super().__init__(
             f"edges of at most {longest:.3g} would make more than {MOST_TRIANGLES} triangles of this mesh: "
-            f"ask for edges of {factor * longest:.3g}"
+            f"ask for edges of {round_up(factor * longest)}"
         )
         self.longest, self.factor = longest, factor
 
@@ -116,7 +116,7 @@ def refine(
             if not may_replace:
                 raise
             division, parents, apart = _replace_by_images(whole, corners, len(edges), longest, axes)
-    kept = _find_kept(division, parents, faces, corners, triangle_corners, usable)
+    kept = _find_kept(division, parents, faces, triangle_corners, usable)
     joins = int((own != np.arange(len(own))).sum()) + split
     if apart is None:
         return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
@@ -226,7 +226,6 @@ def _find_kept(
     division: Division,
     parents: np.ndarray,
     faces: np.ndarray,
-    corners: np.ndarray,
     triangle_corners: np.ndarray,
     usable: np.ndarray,
 ) -> np.ndarray:

@@ -4,7 +4,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SettingError
+from ..errors import SettingError, round_up
 from ..geometry.check import refuse_far_vertices
 from ..geometry.mesh_input import MeshInput, ObjectMesh
 from ..geometry.mirror import are_divided_by_edges, is_mirrored, mirror_planes
@@ -157,7 +157,9 @@ def finer_copy(
     except TooFineError as error:
         factor = error.factor
     if command != "quad_mesh" or not settings.faces:
-        raise SettingError(f"the spacing {spacing:g} is too fine for this mesh: use one from {factor * spacing:.3g} on")
+        raise SettingError(
+            f"the spacing {spacing:g} is too fine for this mesh: use one from {round_up(factor * spacing)} on"
+        )
     fitting = faces_of_factor(mesh, spacings, factor)
     if fitting < 1:
         raise SettingError(

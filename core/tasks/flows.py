@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ..errors import SettingError
+from ..errors import SettingError, round_up
 from ..extract.vortices.filaments import Filament, filaments
 from ..extract.vortices.linking_numbers import Linked, linking_numbers
 from ..extract.vortices.tubes import Tubes, vortex_tubes
@@ -351,7 +351,7 @@ def _about_quantum(found: ClebschMap) -> Iterator[str]:
     if mean > _MANY_QUANTA:
         yield (
             f"{mean:.2g} filaments pass a face of the grid on average, and from {MOST_QUANTA:g} on they cannot be told "
-            f"apart: give a circulation from {mean * found.quantum / _MANY_QUANTA:.3g} on, or a finer grid"
+            f"apart: give a circulation from {round_up(mean * found.quantum / _MANY_QUANTA)} on, or a finer grid"
         )
 
 

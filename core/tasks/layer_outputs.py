@@ -202,7 +202,7 @@ class VoxelsRequest:
 
     @property
     def _layout(self) -> tuple[float, np.ndarray]:
-        """Size of the voxels, and (3,) their number along each axis."""
+        """As of :func:`_grid`."""
         return _grid(np.ptp(self.solid.vertices, axis=0), self.resolution)
 
     @property
@@ -231,5 +231,6 @@ class Voxels:
 
 
 def _grid(extents: np.ndarray, resolution: int) -> tuple[float, np.ndarray]:
+    """Size of the voxels, and (3,) their number along each axis, which covers the extents up to rounding errors."""
     step = float(extents.max()) / resolution
-    return step, np.ceil(extents / step).astype(int)
+    return step, np.ceil(extents / step * (1 - 1e-12)).astype(int)

@@ -58,11 +58,11 @@ def refuse_too_many_layers(changes: np.ndarray) -> None:
     check_memory(BYTES_PER_CROSSING * count, f"layers that cross the solid's edges {count:.2g} times")
 
 
-def crossings_of(edge_phases: EdgePhases[TetMesh], offset: float = 0.0) -> LayerCrossings:
-    """Find where the levels offset + 2 pi k cross the edges of a solid; errors as :func:`refuse_too_many_layers`."""
+def crossings_of(edge_phases: EdgePhases[TetMesh]) -> LayerCrossings:
+    """Find where the levels 2 pi k cross the edges of a solid; errors as :func:`refuse_too_many_layers`."""
     mesh = edge_phases.mesh
     refuse_too_many_layers(edge_phases.changes)
-    given, changes = (edge_phases.arguments[:, 0] - offset) / TURN, edge_phases.changes[:, 0] / TURN
+    given, changes = edge_phases.arguments[:, 0] / TURN, edge_phases.changes[:, 0] / TURN
     # Phases on a level, up to rounding, are moved to one side of it by ASIDE, so that every crossing is inside an edge.
     near = np.abs(given - np.rint(given)) < ASIDE
     faces, sides = _layers_on_boundary(mesh, near, changes)

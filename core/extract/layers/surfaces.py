@@ -30,7 +30,7 @@ class LayerSurfaces:
     layers : (t,) number of the connected piece, from 0 at the bottom, or of the level, of all pieces at one height;
         a screw dislocation along the normals joins the sheets around it into one ramp
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
-    level_count : number of heights at which layers lie, each of one piece or several
+    levels : (count,) number of the height at which each layer lies, from 0 in its body; several pieces may share one
     """
 
     vertices: np.ndarray
@@ -38,7 +38,7 @@ class LayerSurfaces:
     layers: np.ndarray
     corners: np.ndarray
     weights: np.ndarray
-    level_count: int
+    levels: np.ndarray
 
     @cached_property
     def mesh(self) -> TriangleMesh:
@@ -51,6 +51,11 @@ class LayerSurfaces:
         return int(self.layers.max(initial=-1)) + 1
 
     @property
+    def level_count(self) -> int:
+        """Number of heights at which layers lie."""
+        return int(self.levels.max(initial=-1)) + 1
+
+    @property
     def areas(self) -> np.ndarray:
         """(count,) areas of the layers."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
@@ -58,20 +63,17 @@ class LayerSurfaces:
         return np.bincount(self.layers, areas, self.count)
 
 
-def layer_surfaces(
-    edge_phases: EdgePhases[TetMesh], heights: np.ndarray, offset: float = 0.0, by_level: bool = False
-) -> LayerSurfaces:
-    """Extract the layers where the phase is offset + 2 pi k.
+def layer_surfaces(edge_phases: EdgePhases[TetMesh], heights: np.ndarray, by_level: bool = False) -> LayerSurfaces:
+    """Extract the layers where the phase is 2 pi k.
 
     Parameters
     ----------
     edge_phases : one phase a vertex
     heights : (n,) for the order of layers, such as :attr:`LayerPattern.heights`
-    offset : radians
     by_level : number levels instead of pieces, in each piece of the solid from its lowest layer; a piece of a layer
         whose level varies, around dislocations, has the level of its mean height
     """
-    mesh, crossings = edge_phases.mesh, crossings_of(edge_phases, offset)
+    mesh, crossings = edge_phases.mesh, crossings_of(edge_phases)
     numbers = face_numbers(edge_phases)
     punctured = outward_numbers(mesh, numbers).any(axis=1)
     triangles, quads = polygons_in(crossings, np.flatnonzero(~punctured))
@@ -151,9 +153,10 @@ def _number_vertices(
         rank[np.argsort(means, kind="stable")] = np.arange(piece_count)
     points = np.einsum("pk,pkx->px", weights, crossings.mesh.vertices[corners])
     order = np.argsort(rank[piece], kind="stable")
-    level_count = int(levels.max(initial=-1)) + 1
     corners_of, layers = vertex.reshape(-1, 3)[order].astype(int), rank[piece][order]
-    return LayerSurfaces(points, corners_of, layers, corners, weights, level_count)
+    of_layers = np.zeros(rank.max(initial=-1) + 1, int)
+    of_layers[rank] = levels
+    return LayerSurfaces(points, corners_of, layers, corners, weights, of_layers)
 
 
 def _levels(means: np.ndarray, solid_pieces: np.ndarray) -> np.ndarray:

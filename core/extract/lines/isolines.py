@@ -16,7 +16,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import depth_first_order
 
-from ...errors import SettingError
+from ...errors import SettingError, round_up
 from ...geometry import TriangleMesh
 from ...graphs import components, ragged_arange
 from ...interpolate import EdgePhases
@@ -151,7 +151,7 @@ class Isolines:
         if lengths.sum() / distance > MOST:
             raise SettingError(
                 f"points at a distance of {distance:g} on lines {lengths.sum():.3g} long are more than {MOST:.0e}: "
-                f"make it {lengths.sum() / MOST:.2g} or more"
+                f"make it {round_up(lengths.sum() / MOST, 2)} or more"
             )
         counts = np.maximum(np.rint(lengths / distance).astype(int), np.where(self.closed, 3, 1))
         sizes = counts + ~self.closed

@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 from scipy.spatial import cKDTree
 
 from ...geometry.polygons import Polygons
-from ...graphs import find
+from ...graphs import find, label_rows
 from ...interpolate import TURN, FacePhases, evaluate
 from .isolines import Isolines
 
@@ -153,10 +153,8 @@ def _with_defect(phase: FacePhases, polygons: Polygons) -> np.ndarray:
 
 def _longest_line(phase: FacePhases, polygons: Polygons, lines: Isolines) -> np.ndarray:
     """(p SLOTS,) number of the line with the most points in a slot's part of a face, 0 for no line."""
-    known, asked = (np.sort(t, axis=1) for t in (polygons.triangles, lines.mesh.triangles[lines.triangles]))
-    shape = (lines.mesh.vertex_count,) * 3
-    keys, asked = (np.ravel_multi_index(tuple(corners.T), shape) for corners in (known, asked))
-    at = find(keys, asked)
+    both = np.concatenate([polygons.triangles, lines.mesh.triangles[lines.triangles]])
+    at = find(*np.split(label_rows(np.sort(both, axis=1)), [len(polygons.triangles)]))
     same = at >= 0  # false where a face has been split meanwhile
     triangles = at[same]
     corners = lines.mesh.triangles[lines.triangles[same]]

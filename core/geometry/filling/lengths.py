@@ -39,9 +39,11 @@ class Measures(NamedTuple):
 
     @classmethod
     def of(cls, vertices: np.ndarray, triangles: np.ndarray) -> Self:
-        """Measure a closed surface, (n, 3) vertices and (m, 3) triangles, of consistent orientation."""
-        vertices = vertices - vertices.mean(axis=0)
-        a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+        """Measure a closed surface, (n, 3) vertices and (m, 3) triangles, of consistent orientation; vertices without a
+        triangle do not count."""
+        corners = vertices[triangles]
+        bounds = np.array([corners.min(axis=(0, 1)), corners.max(axis=(0, 1))])
+        a, b, c = np.moveaxis(corners - bounds.mean(axis=0), 1, 0)
         normals = np.cross(b - a, c - a)
         # Six times the signed volumes of tetrahedra between the triangles and the origin, which add up to the solid.
         signed = np.einsum("tx,tx->t", a, normals)
@@ -52,7 +54,7 @@ class Measures(NamedTuple):
         return cls(
             abs(float(volume)),
             float(np.linalg.norm(normals, axis=1).sum()) / 2,
-            np.array([vertices.min(axis=0), vertices.max(axis=0)]),
+            bounds,
             np.sqrt(12 * np.maximum(np.linalg.eigvalsh(spread)[::-1], 0)),
         )
 

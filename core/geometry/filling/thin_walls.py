@@ -53,7 +53,7 @@ def refine_thin_walls(
     chosen : (m,) bool of the surface's triangles
     """
     limit = THIN * float(solid.edge_lengths.mean())
-    wanted = SHARE * _thickness(solid, mesh, nearest, chosen, limit)
+    wanted = SHARE * _thickness(solid, nearest, chosen, limit)
     most = min(MOST * solid.tet_count, MOST_TETS)
     for _ in range(_ROUNDS):
         over = _over(solid, wanted)
@@ -99,7 +99,7 @@ def _edges_that_fit(solid: TetMesh, over: np.ndarray, most: float) -> np.ndarray
 
 
 def _thickness(
-    solid: TetMesh, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray], chosen: np.ndarray, limit: float
+    solid: TetMesh, nearest: Callable[[np.ndarray], np.ndarray], chosen: np.ndarray, limit: float
 ) -> np.ndarray:
     """(n,) thickness of the wall around each vertex, as far as it is below the limit, infinite elsewhere."""
     result = np.full(solid.vertex_count, np.inf)

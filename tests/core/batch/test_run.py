@@ -234,6 +234,15 @@ def test_numbers_below_zero_stay_numbers_in_the_table(records):
         assert [line["energy"] for line in csv.DictReader(file)] == ["-2.5"]
 
 
+def test_figures_that_are_not_finite_are_left_out_of_a_card(records, tmp_path):
+    """Records have null in their place."""
+    (row,) = rows("write")
+    records.keep_done(row.key, {"seconds": 1.0, "energy": float("nan"), "nodes": None, "disclinations": 2}, [])
+    write_sheet(tmp_path / "sheet.html", "", [row], records)
+    text = (tmp_path / "sheet.html").read_text()
+    assert "<dt>time<dd>1.0 s" in text and "energy" not in text.split("</style>")[1]
+
+
 def test_warnings_on_a_card_are_escaped(records, tmp_path):
     class Spoiled:
         """Records of a row whose warnings are no number."""

@@ -52,6 +52,12 @@ def test_rawfield_has_the_degree_first_and_a_line_a_face(tmp_path):
     assert path.read_text().splitlines()[:2] == ["2 3", "1 0 0 -1 0 0"]
 
 
+def test_the_mark_of_windows_before_a_text_is_left_out(tmp_path):
+    path = tmp_path / "a.rawfield"
+    path.write_text("1 1\n1 0 0\n", encoding="utf-8-sig")
+    assert read_field(path).vectors.tolist() == [[[1, 0, 0]]]
+
+
 def test_rosy_has_the_faces_first_and_one_vector_a_line(tmp_path):
     path = tmp_path / "field.rosy"
     path.write_text("2\n4\n1.000000 0.000000 0.000000 \n0.600000 0.800000 0.000000 \n")

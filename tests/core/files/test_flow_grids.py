@@ -259,6 +259,31 @@ def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
     assert "\n" not in refusal(tmp_path / "bad.h5")
 
 
+def test_staggered_components_of_openpmd_lie_where_their_positions_say(tmp_path):
+    """Each is half a cell along its own axis: a flow that is linear is read without an error."""
+    h5py = pytest.importorskip("h5py")
+    nodes = np.stack(np.meshgrid(*(0.5 * np.arange(count) for count in (6, 5, 4)), indexing="ij"), axis=-1)
+    with h5py.File(tmp_path / "staggered.h5", "w") as file:
+        group = file.create_group("data/1/fields/B")
+        group.attrs.update(axisLabels=[b"x", b"y", b"z"], gridSpacing=np.full(3, 0.5), gridGlobalOffset=np.ones(3))
+        for axis, name in enumerate("xyz"):
+            group[name] = 1 + nodes[..., axis] + 0.25
+            group[name].attrs["position"] = 0.5 * np.eye(3)[axis]
+    flow = flow_file(tmp_path / "staggered.h5").read()
+    np.testing.assert_allclose(flow.velocity, flow.own.places, atol=1e-12)
+
+
+def test_coordinates_may_be_packed(tmp_path):
+    """As whole numbers with a scale and an offset, by the conventions of NetCDF."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(hdf5(tmp_path / "packed.h5"), "r+") as file:
+        for axis, (first, second, *_) in AXES.items():
+            places = file[f"{axis}coor"]
+            places[:] = np.arange(len(places))
+            places.attrs.update(scale_factor=second - first, add_offset=first)
+    check(flow_file(tmp_path / "packed.h5").read(), rough=1e-6)
+
+
 @pytest.mark.parametrize("order", ["xyz", "zyx"])
 def test_axes_without_names_are_those_along_which_the_flow_does_not_diverge(tmp_path, order):
     """An eddy without sources in a cube, whose sizes tell nothing; its spacing is an array of its own."""

@@ -73,6 +73,21 @@ def test_vectors_of_medit_are_read(tmp_path):
         np.testing.assert_array_equal(found.mesh.tets, SOLID.tets)
 
 
+def test_vectors_around_the_solid_are_left_out_with_its_tetrahedra(tmp_path):
+    """Where triangles of the file enclose some of its tetrahedra, these alone are the solid."""
+    middles = SOLID.vertices[SOLID.tets].mean(axis=1)
+    own = np.flatnonzero((middles > 0.3).all(axis=1) & (middles < 0.7).all(axis=1))
+    skin = TetMesh(SOLID.vertices, SOLID.tets[own]).boundary_triangles
+    mesh, sol = medit("SolAtTetrahedra", middles @ LINEAR.T)
+    triangles = "\n".join(["Triangles", str(len(skin)), *(" ".join(map(str, [*row, 0])) for row in skin + 1), "End"])
+    (tmp_path / "stress.mesh").write_text(mesh.replace("End", triangles))
+    (tmp_path / "stress.sol").write_text(sol)
+    found = read_vectors(tmp_path / "stress.sol")
+    assert 0 < len(own) < SOLID.tet_count
+    np.testing.assert_array_equal(found.mesh.tets, SOLID.tets[own])
+    np.testing.assert_array_equal(found.values, (middles @ LINEAR.T)[own])
+
+
 def test_vectors_of_vtk_are_read_by_name(tmp_path):
     at_points, in_cells = SOLID.vertices @ LINEAR.T, SOLID.vertices[SOLID.tets].mean(axis=1).astype(np.float32)
     path = tmp_path / "stress.vtu"

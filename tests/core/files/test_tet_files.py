@@ -51,8 +51,10 @@ def test_medit_text_is_read(tmp_path):
         medit(end="\nEnd").replace("\n", "\r\n"),
         medit(tets=TETS.replace("1 2 3 4 5", "2 1 3 4 5")),
         medit(points=POINTS.replace("1 0 0 1", "0.1e01 0 0 1")),
+        medit(points=POINTS.replace("1 0 0 1", "1.e000 0 0 1")),
+        "\ufeff" + medit(between="# caf\xe9\n"),
     ],
-    ids=["other-sections", "keywords-on-lines", "windows", "inverted", "exponents"],
+    ids=["other-sections", "keywords-on-lines", "windows", "inverted", "exponents", "points", "not-ascii"],
 )
 def test_medit_comes_in_many_forms(tmp_path, text):
     plain, other = (read_tets(written(tmp_path, t, f"{k}.MESH")) for k, t in enumerate((medit(), text)))
@@ -166,9 +168,10 @@ class Vtu:
         return f'{tag}"binary">\n  {text.decode()}\n</DataArray>'
 
     def text(self, mesh, kinds=(10, 5)):
-        cells = np.concatenate([mesh.tets.ravel(), mesh.tets[0, :3]]).astype(np.int64)
-        ends = np.append(4 * np.arange(1, mesh.tet_count + 1), len(cells)).astype(np.int64)
-        types = np.append(np.full(mesh.tet_count, kinds[0]), kinds[1]).astype(np.uint8)
+        more = len(kinds) - 1
+        cells = np.append(mesh.tets.ravel(), more * mesh.tets[0, :3].tolist()).astype(np.int64)
+        ends = np.append(4 * np.arange(1, mesh.tet_count + 1), more * [len(cells)]).astype(np.int64)
+        types = np.append(np.full(mesh.tet_count, kinds[0]), kinds[1:]).astype(np.uint8)
         piece = (
             f'<Piece NumberOfPoints="{mesh.vertex_count}" NumberOfCells="{len(types)}">'
             f"<PointData>{self.array('heat', np.arange(mesh.vertex_count, dtype=np.int32))}</PointData>"
@@ -199,6 +202,15 @@ def test_vtu_is_read_however_it_is_stored(tmp_path, way, order, header):
     mesh = bent_bar()
     read = read_tets(written(tmp_path, Vtu(way, order, header).text(mesh), "solid.vtu"))
     np.testing.assert_array_equal(read.vertices, mesh.vertices)
+    np.testing.assert_array_equal(read.tets, mesh.tets)
+
+
+@pytest.mark.parametrize("header", ["u4", "u8"])
+@pytest.mark.parametrize("way", WAYS)
+def test_a_single_cell_of_vtu_is_read_however_it_is_stored(tmp_path, way, header):
+    """Its kind is one byte, which leaves a stream of base64 as long as that of its header alone."""
+    mesh = TetMesh(np.eye(4, 3), [[3, 0, 1, 2]])
+    read = read_tets(written(tmp_path, Vtu(way, "<", header).text(mesh, (10,)), "solid.vtu"))
     np.testing.assert_array_equal(read.tets, mesh.tets)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError
-from synch_fields.core.geometry.grid import Grid
+from synch_fields.core.geometry.grid import Grid, box_grid
 
 GRIDS = [
     pytest.param(Grid((4, 5)), id="plane"),
@@ -103,6 +103,14 @@ def test_around_an_obstacle_counts_what_lies_in_open_cells():
     assert weights[number[2, 2, 0], number[2, 2, 1]] == 1 and weights[number[1, 1, 1], number[1, 1, 2]] == 0.75
     assert weights[number[1, 2, 1], number[1, 2, 2]] == 0.5
     assert grid.masses[number[1, 1, 1]] == 7 / 8 and grid.masses[number[2, 2, 1]] == 0.5
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_boxes_of_any_size_are_covered_by_cubes(size):
+    grid = box_grid(np.zeros(3), size * np.array([1.0, 0.5, 0.0]), 9)
+    assert grid.shape == (9, 5, 4)  # at least four, also where the box is flat
+    np.testing.assert_allclose(grid.places.min(axis=0), size * np.array([0, 0, -1.5 / 8]), atol=1e-14 * size)
+    np.testing.assert_allclose(grid.places.max(axis=0), size * np.array([1, 0.5, 1.5 / 8]), rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -204,3 +204,13 @@ def test_distances_up_to_enough_are_not_improved_beyond_it():
     assert 0 < far.sum() < len(points)
     np.testing.assert_allclose(near[far], exact[far])
     assert near[~far].max() <= 0.5 + 1e-12
+
+
+def test_vertices_without_a_triangle_do_not_matter():
+    """Even where they have no finite place."""
+    mesh, points = icosphere(2), RANDOM.uniform(-1.5, 1.5, (300, 3))
+    wanted = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points)
+    for loose in (1e30, np.inf, np.nan):
+        found = NearestTriangles(np.vstack([mesh.vertices, np.full(3, loose)]), mesh.triangles).nearest(points)
+        for one, other in zip(found, wanted, strict=True):
+            np.testing.assert_array_equal(one, other)

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Walls, skins and sparse lines against lengths in closed form, and against distances from the solid's boundary."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -56,7 +58,7 @@ def test_lines_of_neighbouring_layers_cross_and_end_in_the_innermost_wall(cuboid
     solid, surfaces, full = cuboid
     beads = sparse_beads(surfaces, solid, full, STEP, SPACING, Machine(walls=2, skins=3, infill=0.2))
     lines, ways = beads.lines, []
-    for layer in (5, 6):
+    for layer in range(3, 9):  # at any height, from the floor and from the origin
         number = np.flatnonzero((beads.layers == layer) & (beads.kinds == SPARSE))
         assert len(number) > 5
         starts, ends = lines.points[lines.starts[number]], lines.points[(lines.starts + lines.sizes - 1)[number]]
@@ -65,7 +67,23 @@ def test_lines_of_neighbouring_layers_cross_and_end_in_the_innermost_wall(cuboid
         for places in (starts, ends):
             deep = np.minimum(places, SIZE - places)[:, :2].min(axis=1)
             assert (np.abs(deep - 0.7) < 0.1).all()
-    assert abs(ways[0] @ ways[1]) < 1e-6
+    assert np.abs([one @ other for one, other in pairwise(ways)]).max() < 1e-6
+
+
+def test_lines_cross_in_layers_that_are_closed():
+    """The mean height of spheres inside one another is the same: their levels tell which lines are turned."""
+    solid = shell(np.linspace(0.6, 2, 8), 2)
+    radius = np.linalg.norm(solid.vertices, axis=1)
+    group = group_of(solid, radius < 0.61, np.pi)
+    pattern = solve_layers(solid, solid.vertices / radius[:, None], 0.2, [group])
+    surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
+    full = contour_beads(surfaces, 0.2)
+    lines = sparse_beads(surfaces, solid, full, 0.2, 0.2, Machine(walls=0, skins=0, infill=0.2)).lines
+    ways, points = lines.points[lines.next] - lines.points, lines.points
+    at_pole = np.abs(points[:, 2]) > 0.9 * np.linalg.norm(points, axis=1)
+    of = surfaces.layers[lines.triangles]
+    turns = [np.sign((ways[at_pole & (of == k)][:, 0] * ways[at_pole & (of == k)][:, 1]).sum()) for k in range(7)]
+    np.testing.assert_array_equal(np.abs(np.diff(turns)), 2)
 
 
 def test_skins_of_curved_layers_follow_their_normals():
@@ -102,6 +120,7 @@ def test_no_infill_leaves_the_core_empty(cuboid):
         ({"infill": -0.1}, "the infill is -0.1"),
         ({"walls": -1}, "the walls is -1"),
         ({"skins": -2}, "the skins is -2"),
+        ({"walls": 0, "skins": 0, "infill": 0}, "are all 0: give one of them"),
     ],
 )
 def test_shares_and_numbers_out_of_range_are_refused(settings, reason):

@@ -339,8 +339,9 @@ def test_comments_follow_the_size_of_a_bead():
 
 def test_a_file_may_build_on_a_machine_that_is_shipped(tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text('machine = "marlin"\nnozzle_temperature = 230\n')
-    assert read_machine(path) == replace(read_machine("marlin"), nozzle_temperature=230.0)
+    for encoding in ("utf-8", "utf-8-sig"):  # with the mark that editors on Windows put before a text
+        path.write_text('machine = "marlin"\nnozzle_temperature = 230\n', encoding)
+        assert read_machine(path) == replace(read_machine("marlin"), nozzle_temperature=230.0)
     path.write_text('machine = "reprap"\n')
     with pytest.raises(SettingError, match="the machine 'reprap' is unknown: use one of clay, five_axis_ac"):
         read_machine(path)

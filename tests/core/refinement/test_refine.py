@@ -194,6 +194,15 @@ def test_too_many_triangles_are_refused_with_a_length_that_works(monkeypatch):
     assert 100 < len(refined(CUBE, QUADS, 0.05 * error.value.factor).starts) <= 1000
 
 
+def test_the_length_that_works_works_as_it_is_rounded(monkeypatch):
+    """1.25^12 times this length is a little more than 1/32: rounded to the nearest, edges would be halved once more."""
+    monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 1000)
+    triangle = np.array([[0, 0, 0], [1, 0, 0], [0.5, np.sqrt(0.75), 0]])
+    with pytest.raises(TooFineError) as error:
+        refined(triangle, np.array([[0, 1, 2]]), 0.0021748106244646043)
+    refined(triangle, np.array([[0, 1, 2]]), float(str(error.value).split("edges of ")[-1]))
+
+
 def test_edges_far_too_fine_are_refused_before_triangles_are_made(monkeypatch):
     made, halved = [], division._halve_edges
 

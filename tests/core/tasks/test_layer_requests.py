@@ -233,11 +233,14 @@ def _used(mesh):
 @pytest.mark.parametrize(("build", "chi"), CLOSED)
 def test_measures_are_those_of_the_distance(build, chi):
     mesh = build()
-    mesh = TriangleMesh(*_used(mesh))
-    distance, measures = SurfaceDistance(mesh), Measures.of(mesh.vertices + [5, 0, 0], mesh.triangles)
-    assert measures.volume == pytest.approx(distance.volume, rel=1e-9)
-    assert measures.area == pytest.approx(distance.area, rel=1e-9)
-    np.testing.assert_allclose(np.ptp(measures.bounds, axis=0), np.ptp(distance.bounds, axis=0), atol=1e-12)
+    loose = np.array([[90.0, 0, 0], [np.nan, 0, 0]])
+    distance = SurfaceDistance(TriangleMesh(*_used(mesh)))
+    for more in (loose[:0], loose[:1], loose):  # vertices without a face are no part of the surface
+        measures = Measures.of(np.vstack([mesh.vertices, more]) + [5, 0, 0], mesh.triangles)
+        assert measures.volume == pytest.approx(distance.volume, rel=1e-9)
+        assert measures.area == pytest.approx(distance.area, rel=1e-9)
+        np.testing.assert_allclose(measures.bounds, distance.bounds + [5, 0, 0], atol=1e-12)
+        assert Lengths.of(measures, None, None) == pytest.approx(Lengths.of(distance, None, None), rel=1e-9)
 
 
 def test_measures_know_the_extents_of_turned_boxes_and_balls():
@@ -304,6 +307,14 @@ def test_voxels_hold_the_cosine_of_the_phase(layering):
     level = heights_of(layering.surfaces)[0].mean()
     expected = np.cos(2 * np.pi * (places - level) / 0.3)
     np.testing.assert_allclose(voxels.values[10, 10], expected, atol=1e-5)
+
+
+def test_as_many_voxels_as_asked_for_lie_along_the_longest_side(layering):
+    """Also where an extent over a number, and that into the extent, is a little more than the number: 1 / (1 / 49)."""
+    extent = float(np.ptp(layering.solid.vertices, axis=0).max())
+    assert any(extent / (extent / number) > number for number in range(40, 60))
+    for number in range(40, 60):
+        assert layering.voxels(number).solve().values.shape == (number,) * 3
 
 
 def test_too_many_voxels_are_refused_with_a_number_that_does(layering):

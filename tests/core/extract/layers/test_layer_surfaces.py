@@ -40,9 +40,9 @@ NOISES = [0.3, 2, 12]
 def test_constant_directions_give_whole_planes_at_exact_distances(spacing, offset):
     mesh = block((5, 4, 6), (1, 1.2, 1.1), jitter=0.2)
     pattern = solve_layers(
-        mesh, axis_directions(mesh, (0, 0, 1)), spacing, [group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)]
+        mesh, axis_directions(mesh, (0, 0, 1)), spacing, [group_of(mesh, mesh.vertices[:, 2] == 0, -offset)]
     )
-    layers = surfaces_of(pattern, offset=offset)
+    layers = surfaces_of(pattern)
     expected = np.arange(offset / (2 * np.pi) * spacing, 1.1, spacing)
     assert layers.count == len(expected)
     heights = layers.vertices[layers.triangles][:, :, 2]
@@ -76,11 +76,10 @@ def towers(gap=0.0):
 
 def test_levels_have_one_number_where_pieces_have_one_each():
     mesh = towers()
-    floor = group_of(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    floor = group_of(mesh, mesh.vertices[:, 2] == 0, -np.pi / 2)  # a quarter of the spacing below a layer
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, [floor])
-    offset = np.pi / 2  # a quarter of the spacing above the floor
-    pieces = layer_surfaces(pattern.edge_phases, pattern.heights, offset)
-    levels = layer_surfaces(pattern.edge_phases, pattern.heights, offset, by_level=True)
+    pieces = layer_surfaces(pattern.edge_phases, pattern.heights)
+    levels = layer_surfaces(pattern.edge_phases, pattern.heights, by_level=True)
     # At 0.025 to 0.325 one piece each, then two, and from 0.75 on one.
     assert pieces.count == 4 + 2 * 4 + 2 and levels.count == 10
     assert pieces.level_count == levels.level_count == 10

@@ -49,3 +49,13 @@ def test_more_lines_than_memory_holds_are_refused_with_a_spacing_that_fits(build
         assert 1 < factor < 100
         spacing *= factor
     build(draw(mesh, 30, spacing))
+
+
+def test_points_too_close_together_are_refused_with_a_distance_that_fits(monkeypatch):
+    lines = isolines(plane_stripes(square(4), 0, 0.26))
+    total = lines.lengths.sum()
+    for factor in np.linspace(1, 1.1, 11):
+        monkeypatch.setattr("synch_fields.core.extract.lines.isolines.MOST", 1000 * factor)
+        with pytest.raises(SettingError, match=r"are more than .*: make it ") as caught:
+            lines.resampled(0.5 * total / 1000)
+        lines.resampled(float(str(caught.value).split("make it ")[1].split()[0]))

@@ -8,6 +8,7 @@ import pytest
 from synch_fields.core.extract.lines.isolines import isolines
 from synch_fields.core.extract.lines.stripe_numbers import SLOTS, StripeNumbers, slot_numbers, stripe_table
 from synch_fields.core.fields import direction_field, given_directions, stripe_pattern
+from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import TURN, EdgePhases, evaluate, face_phases
 
@@ -182,6 +183,14 @@ def test_parallel_stripes_have_one_number_each_and_so_have_those_whose_middle_is
     period = np.rint(across[mesh.triangles].mean(axis=1))
     assert {len(np.unique(period[numbers == number])) for number in np.unique(numbers)} == {1}
     assert {len(np.unique(numbers[period == whole])) for whole in np.unique(period)} == {1}
+
+
+def test_vertices_may_be_so_many_that_three_do_not_fit_into_one_number():
+    small, loose = square(6), 2**21
+    large = TriangleMesh(np.pad(small.vertices, ((loose, 0), (0, 0))), small.triangles + loose)
+    found = [striped(mesh, 5.2 * mesh.vertices[:, 0]) for mesh in (small, large)]
+    assert found[0][1] == found[1][1]
+    np.testing.assert_array_equal(found[0][2], found[1][2])
 
 
 def test_rings_are_counted_and_a_spiral_is_one_stripe():
