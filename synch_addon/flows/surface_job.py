@@ -17,7 +17,7 @@ from ..blender.defect_empties import DefectEmpty, write_defects
 from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import pattern_material
-from ..patterns import own_surface
+from ..patterns.former_pattern import remove_former
 from ..patterns.write import write_phases
 from .choice import finish
 from .memory import Filled, SolvedFlow
@@ -63,7 +63,7 @@ def _fill(given, result, settings, objects):
     if not meshes.is_unchanged(obj, given):
         raise SettingError(f"the mesh {obj.name} has changed since its flow was read: run it again")
     shown, warnings = result.seen, []
-    own_surface.release(obj)
+    remove_former(obj)
     changes, matchings = shown.changes[:, None], np.zeros(len(given.mesh.edges), int)
     phases = EdgePhases(given.mesh, np.angle(shown.phases)[:, None], changes, matchings)
     given = replace(given, polygons=write_phases(obj, given, phases, warnings.append))

@@ -34,7 +34,8 @@ from ..jobs.job import run
 from ..jobs.report import Report
 from ..nodes.canvas import GeometryCanvas, Socket, add_modifier, group_tree
 from ..nodes.materials import pattern_material
-from ..patterns import frame_attributes, memory, numbers, own_surface, write
+from ..patterns import frame_attributes, write
+from ..patterns.former_pattern import remove_former
 from ..reading.surface import gather, settings_for
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
@@ -176,7 +177,6 @@ class AnimationJob:
         with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, self._base):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
-            own_surface.release(obj)
             defects = write.reported_defects(obj, request, first.field, first.pattern)
             with self._report.clock("write"):
                 self._write(obj, result.frames, request.spacing)
@@ -188,7 +188,7 @@ class AnimationJob:
         }
 
     def _write(self, obj, frames, spacing):
-        frame_attributes.remove_frames(obj)
+        remove_former(obj)
         corners = self._split(obj, frames)
         own = frame_attributes.frame_layout(self._span.pattern)
         places, first = None, None
@@ -212,8 +212,6 @@ class AnimationJob:
         all_faces = self._settings.assign_material or write.has_one_material(obj)
         pattern_material(obj, self._span.pattern, spacing=spacing, assign_faces=all_faces)
         _add_frames(obj, self._span.pattern, self._span.first, self._span.last)
-        memory.show_nothing(obj)
-        numbers.remove_numbers(obj)
         meshes.update(obj)
 
     def _split(self, obj, frames):

@@ -71,7 +71,7 @@ def picture_scene(obj, *, resolution, markers, edges, view):
     scene.frame_set(bpy.context.scene.frame_current)
     shown = stand_in(obj, scene, edges)
     matrix, points = _evaluate(shown, scene)
-    extent = _add_markers(defect_empties(obj), matrix, points, scene) if markers else points
+    extent = _add_markers(defect_empties(obj), shown, matrix, points, scene) if markers else points
     orientation = _orientation(view)
     camera = _add_camera(scene, orientation, extent, resolution)
     stage = _stage(orientation)
@@ -241,15 +241,15 @@ def _add_lights(scene, stage, points):
     scene.world = world
 
 
-def _add_markers(empties, parent_matrix, points, scene):
-    """A small shape at each of the empties; returns `points` and those that the shapes reach to."""
+def _add_markers(empties, shown, parent_matrix, points, scene):
+    """A small shape at the place that each of the empties has on the object that is shown; returns `points` and those
+    that the shapes reach to."""
     _, radius = _centre_and_radius(points)
     meshes = {kind: _marker_mesh(kind) for kind in KINDS}
     scale = sum(abs(factor) for factor in parent_matrix.to_scale()) / 3.0
     ends = [points]
-    for empty in empties:
-        # Its own matrix_world is stale until the next update of the scene that it is in.
-        matrix = parent_matrix @ empty.matrix_parent_inverse @ empty.matrix_basis
+    for empty in _follow(empties, shown, scene):
+        matrix = empty.matrix_world
         size = _MARKER_SIZE[empty["synch_kind"]] * empty.empty_display_size * scale
         size = min(max(size, 0.01 * radius), 0.024 * radius)
         rotation = matrix.to_quaternion().to_matrix().to_4x4()
@@ -258,6 +258,17 @@ def _add_markers(empties, parent_matrix, points, scene):
         marker.color = empty.color
         ends.append(np.array(matrix.translation) + size * np.vstack([np.eye(3), -np.eye(3)]))
     return np.vstack(ends)
+
+
+def _follow(empties, shown, scene):
+    """Copies of empties that follow the copy of their object in a picture's scene."""
+    copies = [empty.copy() for empty in empties]
+    for copy, empty in zip(copies, empties, strict=True):
+        copy.parent, copy.hide_viewport = shown, False
+        copy.matrix_parent_inverse = empty.matrix_parent_inverse  # which another parent resets
+        scene.collection.objects.link(copy)
+    scene.view_layers[0].update()
+    return copies
 
 
 def _marker_mesh(kind):

@@ -6,8 +6,8 @@ import bpy
 from ..blender.translations import translate
 from ..panels.row_operators import can_set, others_selected
 
-# What an object was found to have, rather than what is asked of it.
-_OWN = {"rna_type", "result", "favourites", "pins"}
+# What an object was found to have, or of a quad mesh what it was made of, rather than what is asked of it.
+_OWN = {"rna_type", "result", "favourites", "pins", "source", "made_along", "made_from"}
 
 
 class SYNCH_OT_copy_settings(bpy.types.Operator):

@@ -22,6 +22,12 @@ from ..settings.fields import STORED_NAMES
 _INSIDE = 0.05
 # Places along an edge that have to be near to a sharp one, and how near, as shares of its length.
 _ALONG, _NEAR = (0.1, 0.5, 0.9), 0.1
+# What places an object, in an order in which it can be set: a parent resets its inverse.
+_PLACE = (
+    *("parent", "parent_type", "parent_bone", "parent_vertices", "use_parent_final_indices", "matrix_parent_inverse"),
+    *("rotation_mode", "location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale"),
+    *("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale"),
+)
 # Modifiers that bend any mesh alike, whatever its faces.
 _BENDING = {"ARMATURE", "CAST", "CURVE", "LATTICE", "SIMPLE_DEFORM", "WARP"}
 
@@ -63,9 +69,10 @@ def write(obj, request, quads, selection, carrying, is_seen, replaced=None):
 def _new_object(obj, data):
     """An object for a quad mesh, in the place of the given one and with its settings."""
     made = bpy.data.objects.new(f"{obj.name} Quads", data)
-    # In the same place as the given one: a parent may shear it.
-    made.parent, made.parent_type, made.parent_bone = obj.parent, obj.parent_type, obj.parent_bone
-    made.matrix_parent_inverse, made.matrix_basis = obj.matrix_parent_inverse, obj.matrix_basis
+    for name in _PLACE:  # in the same place as the given one: a parent may shear it
+        setattr(made, name, getattr(obj, name))
+    for constraint in obj.constraints:
+        made.constraints.copy(constraint)
     for collection in obj.users_collection:
         collection.objects.link(made)
     if hasattr(obj, "synch"):  # as long as the extension is registered

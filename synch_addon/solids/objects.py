@@ -21,7 +21,8 @@ from ..blender.objects import hide, set_mode
 from ..blender.transaction import assign, at_the_end, drop, leave, store, undone_by
 from ..nodes.layers import curve_material, layer_material, open_layers
 from ..nodes.materials import pattern_material
-from ..patterns import memory, write
+from ..patterns import write
+from ..patterns.former_pattern import remove_former
 from .links import MADE, SOLID, made_of
 
 # Radius of a dislocation curve, in spacings.
@@ -106,13 +107,13 @@ def _write_surface(obj, layering, given, phases, warn, spacing):
         given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     else:
         shown = obj
+        remove_former(obj)
     write.write_phases(shown, given, phases.edge_phases, warn)
     pattern_material(shown, "stripes", spacing=spacing, assign_faces=phases.is_own)
     if shown == obj:
         for earlier in (schema.DIRECTION, schema.SINGULARITY):  # of a field on the surface
             attributes.remove_attribute(obj, earlier.name)
         write_defects(obj, (), kinds=KINDS)
-        memory.show_nothing(obj)
     meshes.update(shown)
     return shown
 

@@ -12,14 +12,15 @@ from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
 from synch_fields.core.errors import MeshError, SettingError
-from synch_fields.synch_addon.blender.defect_empties import write_defects
+from synch_fields.synch_addon.blender.defect_empties import DefectEmpty, write_defects
+from synch_fields.synch_addon.blender.transaction import only_for_now
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.looks import render
 from synch_fields.synch_addon.looks.demo import add_demo_object
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.materials import pattern_material
 
-from ..scenes import datablocks
+from ..scenes import datablocks, sphere
 from ..single_faces import CONVEX_QUAD, FACES, some_defects
 
 
@@ -65,6 +66,30 @@ def test_subject_stands_where_its_parents_and_modifiers_put_it():
     assert np.allclose(np.array(matrix)[:3, 3], (5, 0, 1))
     assert all(np.isclose(points[:, :2], corner, atol=1e-5).all(axis=1).sum() == 2 for corner in expected)
     assert np.ptp(points[:, 2]) == pytest.approx(0.25, abs=1e-6)
+
+
+@pytest.mark.parametrize("on_faces", [True, False])
+def test_markers_stand_where_the_defects_are_on_the_bent_object(on_faces):
+    """Those of faces follow a twist, as Blender moves the empties in the scene itself; those of the object do not."""
+    obj = sphere(2)
+    obj.location, obj.rotation_euler, obj.scale = (3, -1, 0.5), (0.4, 0.2, 1), (1, 2, 0.5)
+    obj.modifiers.new("twist", "SIMPLE_DEFORM").angle = 1
+    faces = (0, 17, 60)
+    middles = [tuple(obj.data.polygons[face].center) for face in faces]
+    defects = [
+        DefectEmpty("disclination", face, 0.5, place, (0, 0, 1)) for face, place in zip(faces, middles, strict=True)
+    ]
+    empties = write_defects(obj, defects, mesh=obj.data if on_faces else None)
+    bpy.context.view_layer.update()
+    there = np.array([empty.matrix_world.translation for empty in empties])
+    assert (
+        np.linalg.norm(there - [obj.matrix_world @ Vector(middle) for middle in middles], axis=1).max()
+        > 0.05 * on_faces
+    )
+    with only_for_now():
+        scene, _ = render.picture_scene(obj, resolution=(60, 40), markers=True, edges=False, view=(0, 0))
+        markers = [one for one in scene.objects if one.type == "MESH" and one.name.startswith("disclination")]
+        assert np.allclose([one.matrix_world.translation for one in markers], there, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,9 @@
 import bpy
 import pytest
 
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.settings.fields import source_of
+
 from .. import scenes
 
 
@@ -41,6 +44,21 @@ def test_the_selected_objects_get_every_setting_and_nothing_of_the_result():
     given, taken = values(synch), values(second.synch)
     assert taken.pop("result") == "kept" and given.pop("result") == "{}"
     assert taken == given and len(taken["guides"]) == 2
+
+
+def test_what_gets_the_settings_of_a_quad_mesh_is_none_itself():
+    """Else Quad Mesh Again would put the quads of the other object's source in place of its faces."""
+    ball = scenes.sphere()
+    made = bpy.data.objects[api.quad_mesh(ball, faces=200)["quad_mesh"]["object"]]
+    other = scenes.grid(4)
+    other.synch_simple.kind = "quad_mesh"
+    made.select_set(True)
+    bpy.context.view_layer.objects.active = made
+    made.synch.loops = 50
+    assert source_of(made) == ball and made.synch.made_from
+    assert bpy.ops.synch.copy_settings() == {"FINISHED"}
+    assert other.synch.loops == 50 and source_of(other) is None
+    assert other.synch.source is None and not (other.synch.made_from or other.synch.made_along)
 
 
 def test_copying_needs_another_selected_mesh():
