@@ -75,8 +75,10 @@ class Monitor:
         self._expected, self._note = -math.inf, ""
         self._start, self._share = 0.0, 1.0
         self.on_found: Callable[[float, np.ndarray], object] | None = None
+        # Work of :meth:`awaiting` and what is called with its result, until then; shared by derived monitors.
         self._awaited: list[tuple[Running[bool], Callable[[bool], None]]] = []
-        self._shown = [0.0]  # shared by all that are derived from it
+        # The largest fraction that the callback was given, in a list that all derived monitors share.
+        self._shown = [0.0]
 
     def portion(self, start: float, share: float) -> "Monitor":
         """Derive a monitor for one part of the work."""
@@ -121,9 +123,12 @@ class Monitor:
         return f"{self.stage}, proof in {left:.0f} s" if left >= 1 else self.stage + self._note
 
     def check(self) -> None:
-        """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
+        """Call the callback; raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop.
+
+        Also reacts to the end of the work of :meth:`awaiting`.
+        """
         if self._callback is not None:
-            self._shown[0] = max(self._shown[0], self.fraction)  # what runs beside may be further
+            self._shown[0] = max(self._shown[0], self.fraction)  # monitors of other parts may be further
             answer = self._callback(self._describe_stage(), self._shown[0])
             if answer is not None and not answer:
                 raise Cancelled("cancelled: nothing was changed")

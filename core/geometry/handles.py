@@ -56,11 +56,11 @@ def handle_changes(mesh: TetMesh, resting: np.ndarray) -> np.ndarray:
 
 
 def _tree_edges(mesh: TetMesh, resting: np.ndarray) -> np.ndarray:
-    """Find the edges of a spanning tree of each piece, with vertices that resting edges join as one, (e,) bool."""
+    """Find the edges of a spanning tree of each component after the resting edges are contracted, (e,) bool."""
     count = mesh.vertex_count
-    names = components(count, mesh.edges[resting])
-    ends = np.sort(names[mesh.edges], axis=1)
-    proper = np.flatnonzero(ends[:, 0] != ends[:, 1])
+    contracted = components(count, mesh.edges[resting])  # the vertex of the contracted graph for each vertex
+    ends = np.sort(contracted[mesh.edges], axis=1)
+    no_loops = np.flatnonzero(ends[:, 0] != ends[:, 1])
     result = np.zeros(len(ends), bool)
-    result[proper[walk_trees(count, ends[proper])[2]]] = True
+    result[no_loops[walk_trees(count, ends[no_loops])[2]]] = True
     return result

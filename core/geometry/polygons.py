@@ -148,7 +148,10 @@ def find_duplicates(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
 
 
 def match_corners(polygons: Polygons, first: np.ndarray) -> np.ndarray:
-    """Find the (c,) corner of another face, (p,) ``first``, at the same vertex as each corner of a face."""
+    """Find for each corner of a face f the corner of the face ``first[f]`` at the same vertex, (c,).
+
+    Both faces have the same vertices; ``first`` is as returned by :func:`find_duplicates`.
+    """
     count = polygons.corner_vertices.max(initial=0) + 1
     own = polygons.corner_faces * count + polygons.corner_vertices
     asked = first[polygons.corner_faces] * count + polygons.corner_vertices

@@ -134,8 +134,8 @@ def _understood(arguments, way):
     options = way.parse(arguments)
     if options.command == "batch":
         raise SettingError("a row cannot be a batch: write its rows here")
-    told = {name: value for name, value in vars(options).items() if name not in _UNSAID}
-    return Row(tuple(arguments), told, tuple(way.files(options)))
+    shown = {name: value for name, value in vars(options).items() if name not in _UNSAID}
+    return Row(tuple(arguments), shown, tuple(way.files(options)))
 
 
 # The other side

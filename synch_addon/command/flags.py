@@ -55,8 +55,8 @@ def add_view(command):
     )
 
 
-def add_outputs(command, told, picture="", mesh=""):
-    """Flags of files: ``told`` is what the report holds, ``picture`` and ``mesh`` what they show, "" for none."""
+def add_outputs(command, report, picture="", mesh=""):
+    """Flags of files, with help that says what the report, the picture and the mesh hold; "" for no such flag."""
     command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
     if picture:
         command.add_argument("--render", metavar="FILE.png", help=f"render a picture of {picture}")
@@ -64,7 +64,7 @@ def add_outputs(command, told, picture="", mesh=""):
     if mesh:
         suffixes = ", ".join(files.MESH_SUFFIXES)
         command.add_argument("--export-mesh", metavar="FILE.obj", help=f"write {mesh} ({suffixes})")
-    command.add_argument("--report", metavar="FILE.json", help=f"write {told}")
+    command.add_argument("--report", metavar="FILE.json", help=f"write {report}")
     add_quiet(command)
 
 

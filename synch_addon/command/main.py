@@ -125,12 +125,12 @@ def _carry_out_row(options):
 
 def _parse_row(parser, arguments):
     """The options of a row; raises SettingError if they cannot be parsed."""
-    told = io.StringIO()
+    messages = io.StringIO()
     try:
-        with redirect_stderr(told):
+        with redirect_stderr(messages):
             options = parser.parse_args(arguments)
     except SystemExit:
-        raise SettingError(" ".join(told.getvalue().split()) or "this asks for help, not for a result") from None
+        raise SettingError(" ".join(messages.getvalue().split()) or "this asks for help, not for a result") from None
     _check_files(options)
     return options
 

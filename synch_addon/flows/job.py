@@ -53,8 +53,8 @@ class ClebschJob:
             # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
             off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
             whole = {"flow_helicity": flow_helicity(result.found.grid, result.found.integrals)}
-            told = facts(shown) | off | whole | linking_facts(result.linked)
-            return finish(solved, Filled(told, fill), made, self._start)
+            figures = facts(shown) | off | whole | linking_facts(result.linked)
+            return finish(solved, Filled(figures, fill), made, self._start)
 
 
 def clebsch(

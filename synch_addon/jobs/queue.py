@@ -65,7 +65,7 @@ class Work:
         self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
         self.is_over = self.has_begun = self.is_seen = self.is_kept = False
         self.let_go = lambda: None
-        self.expected, self._told = None, None
+        self.expected, self._estimate = None, None
         self._share, self._reported = 0.0, (0.0, 0.0)
         self.holds_window = hasattr(job, "advance")
         self._start, self.waited = time.monotonic(), 0.0
@@ -144,7 +144,7 @@ class Work:
 
     def _expect(self, seconds):
         """Note how long it usually takes from now on."""
-        self._told = self.age, seconds
+        self._estimate = self.age, seconds
         self.expected = self.age + self.seconds_here(self.label, seconds)
 
     @classmethod
@@ -154,8 +154,8 @@ class Work:
 
     def _learn(self):
         """Note at its end how long such work takes on this machine."""
-        if self._told is not None and not self.is_kept:
-            begun, seconds = self._told
+        if self._estimate is not None and not self.is_kept:
+            begun, seconds = self._estimate
             measured = min(max((self.age - begun) / seconds, 1 / _FAR), _FAR)
             kind = _kind(self.label)
             before = self._paces.get(kind, measured if seconds > _SOON else 1.0)
@@ -169,21 +169,22 @@ class Work:
         reported. A report that says that much more time is left than was expected lets it fall back.
         """
         age = self.age
-        told, since = self._reported
-        if self.fraction != told:
-            told, since = self._reported = self.fraction, age
-            left = self._left_after(told, since)
+        share, since = self._reported
+        if self.fraction != share:
+            share, since = self._reported = self.fraction, age
+            left = self._left_after(share, since)
             if left and age > 0:
-                self._share = max(told, min(self._share, age / (age + left)))
+                self._share = max(share, min(self._share, age / (age + left)))
         if self.expected:
-            rest = max(self._left_after(told, since), self.expected / _FAR, age - since)
-            told += _GUESSED * (1 - told) * -math.expm1((since - age) / rest)
-        self._share = max(self._share, told)
+            rest = max(self._left_after(share, since), self.expected / _FAR, age - since)
+            share += _GUESSED * (1 - share) * -math.expm1((since - age) / rest)
+        self._share = max(self._share, share)
         return self._share
 
-    def _left_after(self, told, since):
-        """Seconds left at a report, by the expected time or, if more, by the pace until then; None if unknown."""
-        left = self._estimate_left(since, told)
+    def _left_after(self, share, since):
+        """Seconds left at a report of a share that is done, at an age ``since``: by the expected time or, if more, by
+        the pace until then; None if unknown."""
+        left = self._estimate_left(since, share)
         return left if left is None or not self.expected else max(left, self.expected - since)
 
     @property
@@ -195,11 +196,11 @@ class Work:
     def short_line(self):
         """How far it is, for the progress bar: the seconds left, or what it does and for how long."""
         left, stage = self._left, self._doing
-        told = f"{stage}, {as_time(self.age)}"
+        text = f"{stage}, {as_time(self.age)}"
         if left is not None:
-            told = translate("about {left} left", left=as_time(left))
-            told = f"{stage}, {told}" if len(stage) <= _SHORT else told
-        return f"{self.share:.0%}  {told}" if self.has_begun else self.line
+            text = translate("about {left} left", left=as_time(left))
+            text = f"{stage}, {text}" if len(stage) <= _SHORT else text
+        return f"{self.share:.0%}  {text}" if self.has_begun else self.line
 
     @property
     def _doing(self):
@@ -219,7 +220,7 @@ class Work:
     def _estimate_left(self, age, fraction):
         """Seconds left at an age; what passed before the expected time was known, such as the start of the process,
         says nothing about the pace."""
-        begun = 0.0 if self._told is None else self._told[0]
+        begun = 0.0 if self._estimate is None else self._estimate[0]
         expected = None if self.expected is None else self.expected - begun
         return seconds_left(max(age - begun, 0.0), fraction, expected)
 

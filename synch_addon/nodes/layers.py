@@ -79,15 +79,16 @@ def layer_material(obj, count):
     """Give an object of layers its material, if it has none, and the number of layers."""
     store(obj, COUNT, count)
     layers_group()
-    _give(obj, LAYERS_NAME, _new_layer_material)
+    _add_material(obj, LAYERS_NAME, _new_layer_material)
 
 
 def curve_material(obj):
     """Give an object of dislocation curves its material, if it has none."""
-    _give(obj, CURVES_NAME, _new_curve_material)
+    _add_material(obj, CURVES_NAME, _new_curve_material)
 
 
-def _give(obj, name, new):
+def _add_material(obj, name, new):
+    """Give an object without a material the file's material of a name, made by ``new()`` if the file has none."""
     if not any(slot.material for slot in obj.material_slots):
         material = bpy.data.materials.get(name) or new()
         obj.data.materials.clear()

@@ -57,13 +57,13 @@ def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.type
     _store_spacing(obj, spacing)
     _KINDS[kind].group()
     present = next((slot.material for slot in obj.material_slots if _shows(slot.material, _KINDS[kind])), None)
-    return _give(obj, present or _shared_material(kind), present is None, _KINDS[kind], assign_faces)
+    return _use_material(obj, present or _shared_material(kind), present is None, _KINDS[kind], assign_faces)
 
 
 def show_material(obj, material, kind, *, assign_faces=False):
     """Give a mesh object this material in place of those that show a pattern; else as :func:`pattern_material`."""
     _store_spacing(obj, None)
-    _give(obj, material, True, _KINDS[kind], assign_faces)
+    _use_material(obj, material, True, _KINDS[kind], assign_faces)
 
 
 def show_plain(obj, kind):
@@ -179,10 +179,13 @@ def _shared_material(kind):
     return new_material(name, kind, _plain_look(_KINDS[kind].relief))
 
 
-def _give(obj, material, is_new, kind, assign_faces):
-    """Show a material of a kind on an object: in its present slots, or where it can be placed."""
+def _use_material(obj, material, needs_slot, kind, assign_faces):
+    """Put a material of a :class:`_Kind` into slots of an object if it ``needs_slot``, and return it.
+
+    ``assign_faces`` assigns all faces to its slot, unless all slots show materials of the kind.
+    """
     slots = obj.material_slots
-    if is_new:
+    if needs_slot:
         slot = _place(obj, material)
     else:
         slot = next(slot.slot_index for slot in slots if _shows(slot.material, kind))

@@ -47,9 +47,10 @@ solved again"""
     def invoke(self, context, event):
         self._start = event.mouse_region_x, event.mouse_region_y
         self._is_moved = self._is_slow = False  # until the pointer leaves the dot; once a preview has taken too long
-        # The face under the pointer, the one that the shown pattern has the defect in, the solve that the drag began
-        # with, and the line beside the pointer: the change of energy, or an error.
-        self._target, self._written, self._onto, self._line = self.face, self.face, None, ""
+        self._target = self.face  # under the pointer
+        self._written = self.face  # in which the shown pattern has the defect
+        self._onto = None  # the solve that the drag began with
+        self._line = ""  # beside the pointer: the change of energy, or an error
         return super().invoke(context, event)
 
     def move(self, context, mouse, obj):
@@ -100,6 +101,8 @@ solved again"""
             api.show_again(obj, self._onto)
 
     def finish(self, context, obj):
+        """After a click select the defect, after a drag move it; returns the line for the status bar, None if nothing
+        has changed."""
         if not self._is_moved:
             return self._select(context, obj)
         if self.kind == "disclination":

@@ -18,7 +18,7 @@ from ..patterns import memory
 from ..patterns.live import live
 from ..patterns.other_settings import shows_other_settings
 from ..patterns.pin_costs import cost_line
-from ..patterns.refine import draw_told, draw_warning
+from ..patterns.refine import draw_expected_spacing, draw_warning
 from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, RECORDS, original_of, source_of
 from ..settings.preferences import is_simple, preferences
@@ -172,7 +172,7 @@ def draw_spacing(column, simple, settings):
     if not (simple.kind == "quad_mesh" and settings.automatic_spacing):  # the face count is enough
         _draw_lines(column, simple)
     if settings.automatic_spacing:
-        draw_told(column, simple.kind, original_of(simple.id_data))
+        draw_expected_spacing(column, simple.kind, original_of(simple.id_data))
     else:
         column.prop(settings, "spacing")
 

@@ -74,8 +74,8 @@ def _size(simple):
 
 def _get_lines(simple):
     obj, stored = simple.id_data, simple.id_data.synch
-    told = expected_spacing(simple.kind, original_of(obj)) if stored.automatic_spacing else stored.spacing
-    return _size(simple) / told if told else 0.0
+    spacing = expected_spacing(simple.kind, original_of(obj)) if stored.automatic_spacing else stored.spacing
+    return _size(simple) / spacing if spacing else 0.0
 
 
 def _set_lines(simple, count):
@@ -94,10 +94,10 @@ def _set_automatic(simple, is_automatic):
         obj.synch.automatic_spacing = True
         return
     original_of(obj).update_from_editmode()
-    told = expected_spacing(simple.kind, original_of(obj))
-    if told:  # else there is no surface yet, and the spacing stays automatic
+    expected = expected_spacing(simple.kind, original_of(obj))
+    if expected:  # else there is no surface yet, and the spacing stays automatic
         solved = (read_result_or_empty(obj.synch.result).get("settings") or {}).get("spacing") or 0.0
-        obj.synch.spacing = solved if math.isclose(solved, told, rel_tol=_ESTIMATE_ERROR) else told
+        obj.synch.spacing = solved if math.isclose(solved, expected, rel_tol=_ESTIMATE_ERROR) else expected
         obj.synch.automatic_spacing = False
 
 

@@ -37,7 +37,7 @@ def made_from(obj, settings, reads_modifiers):
     reads_modifiers : whether the solve is on the result of the modifiers
     """
     seen = _seen(obj, settings.surface) if reads_modifiers else _UNREAD
-    return f"{_of_mesh(obj.data, meshes.measured_places(obj))} {seen} {_named(obj, settings)}"
+    return f"{_of_mesh(obj.data, meshes.measured_places(obj))} {seen} {_named_inputs(obj, settings)}"
 
 
 def has_changed(made, source):
@@ -100,7 +100,7 @@ def _maps(settings):
     return {name for name in (settings.angle_attribute, settings.spacing_map) if name}
 
 
-def _named(obj, settings):
+def _named_inputs(obj, settings):
     """Digest of the groups, attributes, marks, curves and files of an object that settings name."""
     rows, sources = settings.all_constraints, settings.sources
     names = _maps(settings) | {row.name for row in rows if row.where in ("boundary", "group", "attribute")}

@@ -94,9 +94,9 @@ def expected_spacing(command, obj):
     per_period = lines_in_period(command)
     if obj.synch.surface == "FACES":
         return spacing_carried(found.size, found.finest, per_period)
-    told = spacing_across(found.size, found.area, found.finest, per_period)
-    is_refined = obj.synch.surface == "SEEN" or carries_few_lines(command, found.size, told)
-    return wished_spacing(found.area, per_period) if is_refined else told
+    spacing = spacing_across(found.size, found.area, found.finest, per_period)
+    is_refined = obj.synch.surface == "SEEN" or carries_few_lines(command, found.size, spacing)
+    return wished_spacing(found.area, per_period) if is_refined else spacing
 
 
 def expected_faces(obj, stored):
@@ -217,14 +217,14 @@ def draw_warning(layout, obj):
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
 
 
-def draw_told(column, command, obj):
-    """Draw the automatic spacing of a command."""
-    told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
-    if told is not None:
+def draw_expected_spacing(column, command, obj):
+    """Draw the automatic spacing of a command, for quad meshes the length of edges, unless it is off or unknown."""
+    length = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
+    if length is not None:
         text = "About {length} for two quads" if lines_in_period(command) == 2 else "About {length} apart"
         if command == "quad_mesh":
-            told, text = told / lines_in_period(command), "Edges of about {length}"
-        column.label(text=translate(text, length=as_length(told)), icon="BLANK1", translate=False)
+            length, text = length / lines_in_period(command), "Edges of about {length}"
+        column.label(text=translate(text, length=as_length(length)), icon="BLANK1", translate=False)
 
 
 def as_length(number):

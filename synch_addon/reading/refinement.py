@@ -45,34 +45,42 @@ class Refinement:
 
 
 def refinement_of(command, obj, settings, follows_mirror):
-    """The :class:`Refinement` on which a command on an object in object mode is solved, None for its own faces; and
-    the MeshInput of these, where it was read.
+    """Choose the surface that a command on an object in object mode is solved on.
+
+    Returns a :class:`Refinement` and None, or for the object's own faces None and their MeshInput; this is None, too,
+    unless it was read for the choice. Raises SynchError as :func:`gather`, and where the surface would have too many
+    faces.
 
     ``follows_mirror``: mirror a quad mesh that asks for no mirror as the Mirror modifiers mirror the object.
-
-    Raises SynchError as :func:`gather`, and where the surface would have too many faces.
     """
     if settings.surface == "faces" or (settings.surface == "automatic" and command == "directions"):
         return None, None
-    is_seen = settings.surface == "seen"
-    if not is_seen:
-        given, is_seen = meshes.read_mesh(obj, strict=settings.strict), bool(changing_modifiers(obj))
+    if settings.surface == "seen":
+        applies_modifiers = True
+    else:
+        applies_modifiers = bool(changing_modifiers(obj))
+        given = meshes.read_mesh(obj, strict=settings.strict)
         factors = read_spacing_map(obj, given, settings)
         is_mirrored = command == "quad_mesh" and _mirrored_by_modifiers(obj)
         if is_fine(command, given, settings, factors) and not is_mirrored:
             return None, given
-    with source_of(obj, is_seen) as source:
+    return _refine(command, obj, settings, applies_modifiers, follows_mirror), None
+
+
+def _refine(command, obj, settings, applies_modifiers, follows_mirror):
+    """The :class:`Refinement` of the object's mesh, or of what its modifiers make of it."""
+    with source_of(obj, applies_modifiers) as source:
         read = meshes.read_faces(source)
         edges = attributes.read_all(source.data.edges, "vertices", 2)
         state, topology = state_of(obj), _topology_of(source, edges)
         given = read.surface(settings.strict)
         factors = read_spacing_map(source, given, settings)
         mirror = settings.mirror
-        if follows_mirror and not mirror and command == "quad_mesh" and is_seen:
+        if follows_mirror and not mirror and command == "quad_mesh" and applies_modifiers:
             mirror = _mirrored_by_modifiers(obj)
         may_replace = command == "quad_mesh" and bool(settings.mirror)
         bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors, may_replace)
-        return Refinement(bound, is_seen, state, topology, mirror), None
+        return Refinement(bound, applies_modifiers, state, topology, mirror)
 
 
 def _mirrored_by_modifiers(obj):

@@ -42,6 +42,10 @@ def front_distance(mesh: TriangleMesh, sources: ArrayLike) -> np.ndarray:
     curvatures = _curvatures(mesh)
 
     def arrivals(distances: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Distances of corners over the opposite sides, as :func:`propagate_distances` asks for them.
+
+        Where one is below a vertex's distance, ``bends`` gets the curvature of the front that arrives there.
+        """
         triangles, corners = np.divmod(rows, 3)
         target = mesh.triangles[triangles, corners]
         side = mesh.triangles[triangles[:, None], (corners[:, None] + [1, 2]) % 3]

@@ -69,7 +69,7 @@ def test_a_job_tells_from_the_beginning_how_long_it_takes_and_learns_how_long_it
     assert "Frame 6: improving" in work.line
     work.expected, work.stage = None, "descent"
     assert re.fullmatch(r"\d%  [a-z ]+, \d+ s", work.short_line)
-    work._told = work.age, 1e-3  # far less than it will take
+    work._estimate = work.age, 1e-3  # far less than it will take
     monkeypatch.setitem(Work._paces, work.label, 1.0)
     assert loop.run(operator) == {"FINISHED"}
     assert Work._paces[work.label] > 1.5

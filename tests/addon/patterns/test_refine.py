@@ -80,16 +80,16 @@ def test_the_panel_tells_the_automatic_spacing(build, command):
 
 def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
     obj, layout = grid(), Layout()
-    refine.draw_told(layout, "stripes", obj)
+    refine.draw_expected_spacing(layout, "stripes", obj)
     told = refine.expected_spacing("stripes", obj)
     assert layout.lines == [translate("About {length} apart", length=f"{told:.3g} m")]
     told = refine.expected_spacing("quads", obj)  # that of two lines
-    refine.draw_told(layout, "quads", obj)
+    refine.draw_expected_spacing(layout, "quads", obj)
     assert layout.lines.pop() == translate("About {length} for two quads", length=f"{told:.3g} m")
-    refine.draw_told(layout, "quad_mesh", obj)
+    refine.draw_expected_spacing(layout, "quad_mesh", obj)
     assert layout.lines.pop() == translate("Edges of about {length}", length=f"{told / 2:.3g} m")
     obj.synch.automatic_spacing = False
-    refine.draw_told(layout, "stripes", obj)
+    refine.draw_expected_spacing(layout, "stripes", obj)
     assert len(layout.lines) == 1
 
 

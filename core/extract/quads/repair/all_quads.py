@@ -48,7 +48,7 @@ class Faces:
     numbers : numbers for further faces
     kept : edges that stay
     vertices, normals : (n, 3)
-    halved : ends of the edge that each new vertex is in the middle of
+    halved : for each new vertex, the ends of the edge that it halves
     apart : vertices that no new edge may join to one another
     """
 
@@ -123,7 +123,7 @@ def all_quads(
     """The quad mesh on a surface with quads instead of other faces, as far as possible.
 
     The (k, 2) edges to keep stay, whole or halved, and no new edge joins two of the vertices ``apart``. Also returns
-    for each vertex the (n, 2) ends of the edge that it halves, or twice the given vertex that it is.
+    the (n, 2) origins of the vertices, as given vertices: the ends of the edge that a vertex halves, or twice the same.
     """
     origins = np.repeat(np.arange(len(quads.vertices))[:, None], 2, axis=1)
     if (quads.sizes == 4).all():
@@ -263,7 +263,10 @@ def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _C
 
     @cache
     def best(i: int, j: int) -> tuple[float, _Cut]:
-        """Cost and quads of the part of the polygon from corner i to corner j."""
+        """Cost and quads, by corners, of the part of the polygon from corner i to corner j, closed by the edge (i, j).
+
+        The cost is infinite where that part cannot be divided, or the edge would be doubled.
+        """
         if j - i == 1:
             return 0.0, ()
         if (j - i) % 2 == 0 or ((i, j) != (0, size - 1) and (taken[i][j] or taken[j][i])):

@@ -38,7 +38,7 @@ def collapse_quads(
     vertices = quads.vertices.copy()
     faces = _merge_halved_edges(faces, valences, on_rim, held, corners)
     moved = np.zeros(len(held), bool)
-    while (found := _first(faces, valences, on_rim, held, corners)) is not None:
+    while (found := _best_collapse(faces, valences, on_rim, held, corners)) is not None:
         number, (a, b, c, d) = found
         kept, gone = (c, a) if held[c] else (a, c)
         if not held[kept]:
@@ -82,10 +82,20 @@ def _merge_halved_edges(
     return faces
 
 
-def _first(
+def _best_collapse(
     faces: np.ndarray, valences: np.ndarray, on_rim: np.ndarray, held: np.ndarray, corners: np.ndarray
 ) -> tuple[int, np.ndarray] | None:
-    """The best face to collapse, and its corners, beginning with one of the two to be merged; None without one."""
+    """The face whose collapse regularises vertices most, and its corners a, b, c, d, of which a and c are to be merged;
+    None if no face can be collapsed.
+
+    Parameters
+    ----------
+    faces : (f, 4) vertices
+    valences : (n,) edges at each vertex
+    on_rim : (n,) bool, vertices on the boundary
+    held, corners : as of :func:`collapse_quads`
+    """
+    # Rows k and f + k merge either pair of opposite corners of face k.
     ways = np.concatenate([faces, np.roll(faces, -1, axis=1)])
     a, b, c, d = ways.T
     allowed = ~(held[a] & held[c]) & ~on_rim[a] & ~on_rim[c] & ~corners[ways].any(axis=1)
@@ -94,6 +104,7 @@ def _first(
     wanted = np.where(on_rim, 3, 4)
     before = (valences - wanted)[ways]
     after = before - [0, 1, 0, 1]
+    # The merged vertex has valences[a] + valences[c] - 2 edges, of 4 wanted; c is gone.
     after[:, 0], after[:, 2] = valences[a] + valences[c] - 6, 0
     gain = (before**2).sum(axis=1) - (after**2).sum(axis=1)
     allowed &= (gain > 0) & ((after != 0).sum(axis=1) <= (before != 0).sum(axis=1))
