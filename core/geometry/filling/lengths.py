@@ -22,8 +22,8 @@ SOLVED_BYTES = 2000
 # Edges of the solid per layer: if spacing or size follows from the other, and at least.
 EDGES_PER_LAYER = 3.0
 FEWEST_EDGES = 2.0
-# If no spacing is given: most layers across the object, those that there are by solving for several layers together, and
-# the most that are solved for together for that.
+# If no spacing is given: most layers across the object, those that there are by solving for several layers together,
+# and the most that are solved for together for that.
 LAYERS_ACROSS, WANTED_ACROSS, TOGETHER = 40, 24, 4
 # A period of the pattern carries one layer as long as that takes no more tetrahedra, where no size is given.
 UNDIVIDED_TETS = 1_200_000
