@@ -29,6 +29,7 @@ from ..core.tasks.surface_result import SurfaceResult
 from ..core.validation import convert_value, from_names
 from .bakes.job import BakeJob
 from .blender import field_files, meshes
+from .blender.modifiers import bends
 from .blender.objects import Selection
 from .blender.pattern_surface import is_of_modifiers, surface_of
 from .blender.transaction import whole_or_nothing
@@ -210,7 +211,8 @@ def trace_quads(obj: bpy.types.Object, smoothing: int = SurfaceSettings.smoothin
         report = solved.report.for_another_result("quad_mesh")
         report.take(found)
         report.asked = replace(report.asked, pins=report.settings.pins)  # on the faces that the object has now
-        return write_quads(obj, request, found, report, Selection.now(), surface_of(obj), is_of_modifiers(obj))
+        bending = [one for one in obj.modifiers if bends(one) and not is_of_modifiers(obj)]
+        return write_quads(obj, request, found, report, Selection.now(), surface_of(obj), bending)
 
 
 def isolines(obj: bpy.types.Object, **settings: Unpack[LineKeywords]) -> Json:

@@ -188,12 +188,14 @@ def send(out: int, message: object, shared: Sequence[object] = ()) -> None:
             rest = rest[os.write(out, rest) :]
 
 
-def start_child(command: Sequence[str], variables: dict[str, str], is_low: bool = False) -> subprocess.Popen[bytes]:
+def start_child(
+    command: Sequence[str], variables: dict[str, str], is_low: bool = False, pipes: int = subprocess.PIPE
+) -> subprocess.Popen[bytes]:
     """A child with unbuffered pipes, without a console, which does not receive its parent's Ctrl-C.
 
-    ``is_low`` lowers its priority on Windows; elsewhere it does so itself.
+    ``is_low`` lowers its priority on Windows; elsewhere it does so itself. ``pipes``: subprocess.DEVNULL for none.
     """
-    kind: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0, "env": variables}
+    kind: dict[str, Any] = {"stdin": pipes, "stdout": pipes, "bufsize": 0, "env": variables}
     if sys.platform == "win32":
         kind["creationflags"] = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
         kind["creationflags"] |= subprocess.BELOW_NORMAL_PRIORITY_CLASS if is_low else 0

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.files.whole import is_whole_image, unwritten
 from ...core.settings.bake import MAPS, SUFFIXES
-from ..blender.transaction import assign, at_the_end, keep, set_aside
+from ..blender.transaction import assign, at_the_end, keep, only_for_now, set_aside
 from ..nodes.canvas import find_node, surface_material
 from ..nodes.materials import append_material, kept_spacing
 from .shaders import SOURCE, pattern_node, sources
@@ -27,12 +27,17 @@ def file_name(settings, name, map_name):
     return stem + SUFFIXES[settings.file_format]
 
 
-def save(values, path, settings, map_name, scene):
+def save(values, path, settings, map_name):
     """Write (size, size, k) values to an image file; grey ones for k = 1.
 
-    Only the colour is encoded for the screen, and only as PNG; everything else is kept as it is. ``scene``: one that
-    only this uses, whose image settings are changed.
+    Only the colour is encoded for the screen, and only as PNG; everything else is kept as it is.
     """
+    with only_for_now():
+        _save(values, path, settings, map_name, bpy.data.scenes.new("Synch Bake"))
+
+
+def _save(values, path, settings, map_name, scene):
+    """Write them with the image settings of a scene, which are changed."""
     kind = MAPS[map_name]
     image_settings = scene.render.image_settings
     image_settings.file_format = "PNG" if settings.file_format == "PNG" else "OPEN_EXR"
@@ -51,7 +56,6 @@ def save(values, path, settings, map_name, scene):
         image.save_render(str(path), scene=scene)
     except RuntimeError as error:
         raise unwritten(path, str(error).strip().splitlines()[0]) from error
-    bpy.data.images.remove(image)
     if not is_whole_image(path):
         raise unwritten(path, "only a part arrived")
 

@@ -24,13 +24,15 @@ from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import shaders
+from .other_process import OtherProcess
 from .scene_copy import make_scene_copy, read_uv, write_uv
 
 # Largest distance of the islands of a new map, in pixels, as a curved surface has hundreds of them. In images below
 # the size _SMALL it is the same share of the map as at that size, so that islands do not vanish.
 _APART, _SMALL = 4, 256
-# Approximate seconds of one core for each pixel of a pass, and for each of its samples.
-_PIXEL, _SAMPLE = 0.5e-6, 0.65e-6
+# Approximate seconds of one core for each pixel of a pass, and for each of its samples; a pass of normals takes several
+# times as long, since the height is found at three places. And seconds that another process takes to start.
+_PIXEL, _SAMPLE, _NORMAL, _START = 0.5e-6, 0.6e-6, 3, 2.0
 # The largest number of a 16-bit PNG.
 _MOST_NUMBER = 65535
 # How many UV maps a mesh can have.
@@ -47,14 +49,15 @@ class BakeJob:
     ----------
     obj : bpy.types.Object with a pattern
     settings : BakeSettings
+    elsewhere : whether Cycles runs in another process, so that a step does not hold the window
     """
 
     request = None
     at_once = 0.0
 
-    def __init__(self, obj, settings):
+    def __init__(self, obj, settings, elsewhere=False):
         self.link, self.seconds = ObjectLink.to(obj), bake_seconds(settings.maps, settings.size, settings.samples)
-        self._pieces, self._report = _baking(self.link, settings), None
+        self._pieces, self._report = _baking(self.link, settings, elsewhere), None
 
     def advance(self):
         """Do the step that was named last; returns the next step's name and the share that is done, None at the end."""
@@ -78,12 +81,14 @@ class BakeJob:
 def bake_seconds(maps, size, samples):
     """About how long a bake with these settings takes."""
     maps = set(maps)
-    passes = [samples] * (bool(maps & {"mask", "height"}) + len(maps & {"colour", "normal"}))
+    passes = [samples] * (bool(maps & {"mask", "height"}) + ("colour" in maps) + _NORMAL * ("normal" in maps))
     passes += [1] * len(maps & {"phase", "index"})
-    return size**2 * sum(_PIXEL + _SAMPLE * count for count in passes) / bpy.context.scene.render.threads
+    starts = len(maps) - ({"mask", "height"} <= maps)
+    working = size**2 * sum(_PIXEL + _SAMPLE * count for count in passes)
+    return _START * starts + working / bpy.context.scene.render.threads
 
 
-def _baking(link, settings):
+def _baking(link, settings, elsewhere):
     """Bake; yields the name of each step before it, and the share of the work done so far; returns the report."""
     obj = link.found  # from here on the window is held, and the object with it
     with meshes.object_mode(obj):
@@ -98,7 +103,8 @@ def _baking(link, settings):
                 yield "unwrap", 0.0
                 with make_scene_copy(obj, modifiers=False) as copy:
                     coordinates = copy.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
-            yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report)
+            begin = _beginning(elsewhere, Path(temporary))
+            yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report, begin)
             with whole_or_nothing():
                 images = _put_files(obj, settings, Path(temporary), folder, report)
                 if is_new:
@@ -177,8 +183,9 @@ def _judge(obj, name, coordinates, warnings):
         warnings.append(f"faces overlap in the UV map {name!r}: one image cannot show them all")
 
 
-def _bake_all(obj, kind, settings, coordinates, folder, report):
-    """Bake all maps to files in a folder and add them to the report; yields as :func:`_baking`."""
+def _bake_all(obj, kind, settings, coordinates, folder, report, begin):
+    """Bake all maps to files in a folder and add them to the report; yields as :func:`_baking`, while another process
+    bakes, too. ``begin`` as of :func:`_beginning`."""
     phases = blender_phases.read_phases(obj, kind)
     polygons = meshes.read_polygons(surface_of(obj))
     materials = shaders.sources(surface_of(obj)) or [None]
@@ -198,33 +205,55 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
         wanted = [name for name in channels if name in settings.maps]
         if not wanted:
             continue
-        yield wanted[0], len(report["maps"]) / len(settings.maps)
+        step = wanted[0], len(report["maps"]) / len(settings.maps)
+        yield step
         start = time.perf_counter()
         with make_scene_copy(obj) as copy:
             copy.use_map(report["uv_map"], coordinates)
-            values = copy.bake(bake_type, glowing(), settings.size, samples, settings.margin)
-            for name in wanted:
-                path = folder / bake_images.file_name(settings, obj.name, name)
-                bake_images.save(values[:, :, channels[name]], path, settings, name, copy.scene)
+            copy.prepare(glowing(), settings.size, samples)
+            baking = begin(copy, bake_type, settings.margin)
+        values = yield from _wait(baking, *step)
+        for name in wanted:
+            path = folder / bake_images.file_name(settings, obj.name, name)
+            bake_images.save(values[:, :, channels[name]], path, settings, name)
         _describe(report, wanted, settings, start)
     if "index" in settings.maps:
-        yield "index", len(report["maps"]) / len(settings.maps)
+        step = "index", len(report["maps"]) / len(settings.maps)
+        yield step
         start = time.perf_counter()
         with make_scene_copy(obj, modifiers=False) as copy:
-            found = _numbers_at(copy, polygons, coordinates, numbering, settings.size, settings.margin)
-            values = _number_values(found, numbering.count, settings, report)
-            path = folder / bake_images.file_name(settings, obj.name, "index")
-            bake_images.save(values[:, :, None], path, settings, "index", copy.scene)
+            _lay_flat(copy, polygons, coordinates, settings.size)
+            baking = begin(copy, "EMIT", 0)
+        seen = yield from _wait(baking, *step)
+        numbers = _numbers_at(seen, numbering, settings.margin)
+        values = _number_values(numbers, numbering.count, settings, report)
+        path = folder / bake_images.file_name(settings, obj.name, "index")
+        bake_images.save(values[:, :, None], path, settings, "index")
         _describe(report, ["index"], settings, start)
     yield "write", 1.0
 
 
-def _numbers_at(copy, polygons, coordinates, numbering, size, margin):
-    """(size, size) numbers of stripes or quads at the middle of each pixel, 0 where there is no face.
+def _beginning(elsewhere, folder):
+    """A function (copy, kind, margin) that bakes a prepared :class:`SceneCopy` here, or begins it in another process;
+    :func:`_wait` takes what it returns."""
+    if elsewhere:
+        return lambda copy, kind, margin: OtherProcess(copy.scene, kind, margin, folder)
+    return lambda copy, kind, margin: copy.bake(kind, margin)
 
-    The copy's mesh is replaced by its triangles laid out flat in the UV map; a bake of their indices and barycentric
-    coordinates gives the place on the surface that each pixel shows.
-    """
+
+def _wait(baking, *step):
+    """The values of a bake; yields the step while it goes on elsewhere."""
+    if not isinstance(baking, OtherProcess):
+        return baking
+    with baking:
+        while baking.is_running:
+            yield step
+        return baking.values()
+
+
+def _lay_flat(copy, polygons, coordinates, size):
+    """Replace the copy's mesh by its triangles, laid out flat in the UV map, that glow with their indices and
+    barycentric coordinates: an image of them gives the place on the surface that each pixel shows."""
     corners = polygons.triangle_corners
     flat = np.column_stack([coordinates[corners.ravel()], np.zeros(corners.size)])
     data = new_mesh("Synch Bake", flat, np.arange(corners.size).reshape(-1, 3))
@@ -236,12 +265,16 @@ def _numbers_at(copy, polygons, coordinates, numbering, size, margin):
     for corner in range(2):
         weights = np.tile(np.eye(3)[corner], len(corners))
         attributes.write_attribute(copy.obj, f"weight_{corner}", "CORNER", "FLOAT", weights)
-    material = shaders.glowing_attributes("triangle", "weight_0", "weight_1")
-    seen = copy.bake("EMIT", [material], size, samples=1, margin=0)
+    copy.prepare([shaders.glowing_attributes("triangle", "weight_0", "weight_1")], size, samples=1)
+
+
+def _numbers_at(seen, numbering, margin):
+    """(size, size) numbers of stripes or quads at the middle of each pixel of an image of :func:`_lay_flat`, 0 where
+    there is no face."""
     inside = seen[:, :, 0] > 0.5
     triangles, weights = np.rint(seen[inside, 0]).astype(int) - 1, seen[inside, 1:3].astype(float)
     weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
-    numbers = np.zeros((size, size), int)
+    numbers = np.zeros(inside.shape, int)
     numbers[inside] = numbering.at(triangles, weights)
     return _extend_numbers(numbers, inside, margin)
 

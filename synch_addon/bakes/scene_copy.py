@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A temporary scene with a copy of the object, in which Cycles bakes; :meth:`SceneCopy.bake` fills the image.
+"""A temporary scene with a copy of the object, which is unwrapped there, and baked by Cycles.
 
 The object itself keeps its materials, image nodes, UV maps and visibility, and its scene its settings, even if a bake
 fails or is interrupted.
@@ -16,6 +16,7 @@ from ..blender.attributes import read_all
 from ..blender.pattern_surface import surface_modifier, surface_of
 from ..blender.transaction import only_for_now
 from ..blender.translations import operator_error
+from .cycles_bake import baked
 
 # Angle from which Smart UV Project makes a seam, radians: Blender's default.
 _SEAM_ANGLE = 1.1519173
@@ -33,14 +34,8 @@ class SceneCopy:
     def __init__(self, obj, scene):
         self.obj, self.scene = obj, scene
 
-    def bake(self, kind, materials, size, samples, margin):
-        """(size, size, 4) float32 values of a Cycles bake, the lowest row first.
-
-        Parameters
-        ----------
-        kind : "EMIT" or "NORMAL"
-        materials : one for each slot of the object; each gets the image that is baked to
-        """
+    def prepare(self, materials, size, samples):
+        """Show materials with an image that is baked to, one material for each slot of the object."""
         image = bpy.data.images.new("Synch Bake", size, size, float_buffer=True, is_data=True)
         for slot, material in zip(self.obj.material_slots, materials, strict=True):
             node = material.node_tree.nodes.new("ShaderNodeTexImage")
@@ -48,26 +43,14 @@ class SceneCopy:
             material.node_tree.nodes.active = node
             slot.material = material
         self.scene.cycles.samples = samples
+
+    def bake(self, kind, margin):
+        """(size, size, 4) float32 values of a bake of what was prepared, see :func:`.cycles_bake.baked`."""
         try:
-            with self._context(), hold_interrupts():
-                bpy.ops.object.bake(
-                    type=kind,
-                    margin=margin,
-                    target="IMAGE_TEXTURES",
-                    save_mode="INTERNAL",
-                    use_clear=True,
-                    use_selected_to_active=False,
-                    normal_space="TANGENT",
-                    normal_r="POS_X",
-                    normal_g="POS_Y",
-                    normal_b="POS_Z",
-                )
+            with hold_interrupts():
+                return baked(self.scene, kind, margin)
         except RuntimeError as error:
             raise SynchError(f"Cycles cannot bake {self.obj.name}: {operator_error(error).splitlines()[0]}") from error
-        values = np.empty(size * size * 4, np.float32)
-        image.pixels.foreach_get(values)
-        bpy.data.images.remove(image)
-        return values.reshape(size, size, 4)
 
     def use_map(self, name, coordinates):
         """Bake over the UV map of this name from now on; it is made if it is missing.

@@ -15,6 +15,8 @@ _CHANGES_FACES = (
     {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
     | {"NODES", "OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
 )  # fmt: skip
+# Modifiers that bend any mesh alike, whatever its faces.
+_BENDING = {"ARMATURE", "CAST", "CURVE", "LATTICE", "SIMPLE_DEFORM", "WARP"}
 
 
 def changing_modifiers(obj):
@@ -30,6 +32,18 @@ def foreign_modifiers(obj):
 def last_subdivisions(obj):
     """The visible Subdivision Surface modifiers that are followed only by modifiers that show patterns."""
     return list(takewhile(lambda modifier: modifier.type == "SUBSURF", reversed(foreign_modifiers(obj))))
+
+
+def bends(modifier):
+    """Whether a modifier bends any mesh alike, whatever its faces."""
+    return modifier.type in _BENDING
+
+
+def last_bending(obj):
+    """The visible modifiers that bend the object and are followed only by others that do, by subdivisions, and by those
+    that show patterns."""
+    last = takewhile(lambda one: bends(one) or one.type in ("SUBSURF", "MULTIRES"), reversed(foreign_modifiers(obj)))
+    return [modifier for modifier in last if bends(modifier)][::-1]
 
 
 def changes_faces(modifier):

@@ -12,10 +12,11 @@ from .ready import PatternOperator
 
 
 class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.types.Operator):
-    """Bake what the pattern shows into images over a UV map, with Cycles, one map after the other; Esc cancels"""
+    """Bake what the pattern shows into images over a UV map, with Cycles in the background; Esc cancels"""
 
     bl_idname = "synch.bake"
     bl_label = "Bake"
+    _elsewhere = False
 
     def _take(self, context):
         for name in BAKE_NAMES:
@@ -24,7 +25,11 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
 
     def _job(self, context):
         settings = settings_of(BakeSettings, self, BAKE_NAMES)
-        return BakeJob(context.active_object, settings)
+        return BakeJob(context.active_object, settings, self._elsewhere)
+
+    def _start(self, context):
+        self._elsewhere = True
+        return super()._start(context)
 
     def _headline(self, report):
         is_packed = any("image" in entry for entry in report["maps"].values())

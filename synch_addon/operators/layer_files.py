@@ -2,11 +2,14 @@
 """Operators that bring the last layers out of Blender: mesh files, tool paths, and a volume."""
 
 import os
+from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from ...core.errors import SettingError
+from ...core.printing.machine import SUFFIX
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..jobs.queue import queue
@@ -35,12 +38,31 @@ _STEP = FloatProperty(
 )
 
 
-_MACHINE = StringProperty(
-    name="Machine",
-    description="marlin, klipper, clay, five_axis_ac or five_axis_bc, or a file that "
-    "describes a printer (.toml); empty for three axes",
-    subtype="FILE_PATH",
-)
+_AUTOMATIC, _FILE = "AUTOMATIC", "FILE"
+_MACHINES = [
+    (_AUTOMATIC, "Automatic", "Marlin in a printer's program, otherwise three axes without limits", 0),
+    ("marlin", "Marlin", "A printer with Marlin, three axes", 1),
+    ("klipper", "Klipper", "A printer with Klipper, three axes", 2),
+    ("clay", "Clay", "A printer of clay with a ram or a screw", 3),
+    ("five_axis_ac", "Five Axes AC", "A table that turns around X (A) on one that turns around Z (C)", 4),
+    ("five_axis_bc", "Five Axes BC", "A table that turns around Y (B) on one that turns around Z (C)", 5),
+    (_FILE, "Another File", "A file that describes a printer (.toml)", 6),
+]
+# Blender keeps no reference to the texts of items that a function returns.
+_listed: list[tuple[str, str, str, int]] = []
+
+
+def _list_machines(_operator, _context):
+    """The shipped machines, and files beside the .blend that may describe others."""
+    folder = os.path.dirname(bpy.data.filepath)
+    names = sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else []
+    own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
+    _listed[:] = [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
+    return _listed
+
+
+_MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_list_machines)
+_MACHINE_FILE = StringProperty(name="File", description="A file that describes a printer (.toml)", subtype="FILE_PATH")
 
 
 _INFILL = FloatProperty(
@@ -71,6 +93,8 @@ def _draw_paths(layout, operator, names):
     column = property_column(layout)
     for name in names:
         draw_setting(column, operator, name, "As layers" if name == "step" else "")
+        if name == "machine" and operator.machine == _FILE:
+            column.prop(operator, "machine_file")
 
 
 class _LayerOperator:
@@ -149,6 +173,7 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     fill: _FILL
     step: _STEP
     machine: _MACHINE
+    machine_file: _MACHINE_FILE
     infill: _INFILL
     beads: _BEADS
 
@@ -184,6 +209,7 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     fill: _FILL
     step: _STEP
     machine: _MACHINE
+    machine_file: _MACHINE_FILE
     infill: _INFILL
     _checked = filename_ext
 
@@ -233,8 +259,11 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
 
 def _path_settings(operator, path=None):
     """The :class:`PathSettings` of an operator that may write to a path."""
-    infill = None if operator.infill == 1 else operator.infill
-    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None, path, infill))
+    infill, machine = None if operator.infill == 1 else operator.infill, operator.machine
+    if machine == _FILE and not operator.machine_file:
+        raise SettingError("the machine's file has no name: choose the file, or another machine")
+    chosen = {_AUTOMATIC: None, _FILE: operator.machine_file}.get(machine, machine)
+    return PathSettings(operator.step or None, operator.fill, machine_of(chosen, path, infill))
 
 
 def _report_files(report):

@@ -2,10 +2,11 @@
 """Operator: paint a map of the settings."""
 
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import BoolProperty, EnumProperty
 
 from ..blender.groups import is_group
 from ..blender.objects import set_mode
+from ..blender.translations import translate
 from ..panels.row_operators import can_set
 from ..patterns.painted_back import paint_back
 from ..settings.fields import source_of
@@ -62,6 +63,12 @@ class SYNCH_OT_done_painting(bpy.types.Operator):
     bl_label = "Done Painting"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
+    solves: BoolProperty(name="Solve", description="Then make what the panel makes", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, _context, properties):
+        return translate("Go back to object mode, and use what was painted") if properties.solves else ""
+
     @classmethod
     def poll(cls, context):
         return context.mode == "PAINT_WEIGHT"
@@ -72,4 +79,7 @@ class SYNCH_OT_done_painting(bpy.types.Operator):
         source = source_of(made)
         if source is not None and source.is_editable and source.data.is_editable:
             paint_back(made, source)
+        if self.solves:
+            name = "quad_mesh_again" if source is not None else made.synch_simple.kind
+            getattr(bpy.ops.synch, name)("INVOKE_DEFAULT")
         return {"FINISHED"}

@@ -7,7 +7,11 @@ import bpy
 
 from ..blender.translations import translate
 from ..patterns.refine import as_length
+from ..settings.fields import source_of
 from ..settings.painting import MAPS, painted_map
+from .row_operators import can_set
+
+KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh", "directions": "Directions"}
 
 
 def draw_map(column, settings, target):
@@ -43,7 +47,23 @@ def draw_painting(layout, context):
     column.prop(settings, chosen.full, text="Range")
     box.label(text=_painted_line(context, settings, target), translate=False)
     box.operator("synch.done_painting", icon="CHECKMARK")
+    if target != "LAYERS" and can_set(obj):
+        kind = obj.synch_simple.kind
+        text = translate(KIND_LABELS[kind])
+        text = text if source_of(obj) is None else translate("Update {what}", what=text)
+        icon = box.enum_item_icon(obj.synch_simple, "kind", kind)
+        box.operator("synch.done_painting", text=text, icon_value=icon, translate=False).solves = True
     return True
+
+
+def draw_density(column, obj):
+    """The map of spacing of what becomes a quad mesh, and the button that paints it."""
+    if obj.synch.spacing_map:
+        row = column.row(align=True)
+        row.prop(obj.synch, "spacing_map", text="Density")
+        row.operator("synch.paint_map", text="", icon="WPAINT_HLT").target = "SPACING"
+    else:
+        column.operator("synch.paint_map", text="Paint Density", icon="WPAINT_HLT").target = "SPACING"
 
 
 def _painted_line(context, settings, target):

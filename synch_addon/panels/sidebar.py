@@ -24,7 +24,7 @@ from ..settings.fields import MESH_NAMES, RECORDS, original_of, source_of
 from ..settings.preferences import is_simple, preferences
 from ..solids.links import solid_of
 from .guides import draw_guidance, draw_strokes
-from .painting import draw_map, draw_painting
+from .painting import KIND_LABELS, draw_density, draw_map, draw_painting
 from .progress import draw_work, is_boxed
 from .row_operators import can_set, meshes_selected
 from .setting_presets import SYNCH_PT_presets
@@ -32,7 +32,6 @@ from .setting_rows import draw_automatic, draw_setting, draw_settings, property_
 
 # Letters that fit into a line of the panel at its default width.
 _LINE = 30
-KIND_LABELS = {"stripes": "Stripes", "quads": "Quad Pattern", "quad_mesh": "Quad Mesh"}
 
 
 # What the redo panel shows of a command's settings: what one changes after a look at the result.
@@ -147,6 +146,7 @@ def draw_main(layout, obj):
     column = property_column(layout)
     if simple.kind == "quad_mesh":
         draw_automatic(column, simple, "faces")
+        draw_density(column, obj)
     if simple.kind != "directions" and not (simple.kind == "quad_mesh" and settings.faces):
         draw_spacing(column, simple, settings)
     if again:

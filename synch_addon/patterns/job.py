@@ -12,6 +12,7 @@ from ...core.errors import AsymmetryError, SynchError
 from ...core.fields import DirectionField, Pattern
 from ...core.files.json_text import Json
 from ..blender import meshes
+from ..blender.modifiers import bends
 from ..blender.objects import ObjectLink, Selection
 from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, whole_or_nothing
@@ -74,14 +75,19 @@ class FieldJob:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
                     replaced = None if self.replaced is None else self.replaced.found
                     with nullcontext() if replaced is None else meshes.object_mode(replaced):
-                        is_seen = self._refinement is not None and self._refinement.is_seen
                         chosen = self._report, self._selection
-                        return write_quads(obj, request, result, *chosen, surface, is_seen, replaced)
+                        return write_quads(obj, request, result, *chosen, surface, self._bending(obj), replaced)
             own_surface.bind(obj, self._refinement, self._report.warn)
             _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
             if hasattr(obj, "synch") and obj.synch.pins == self._report.asked.pins != self._pins:
                 assign(obj.synch, "pins", self._pins)
             return write_result(obj, request, result.field, result.pattern, self._report)
+
+
+    def _bending(self, obj):
+        """The modifiers of an object that have not shaped the surface, and bend any mesh alike."""
+        is_seen = self._refinement is not None and self._refinement.is_seen
+        return [one for one in obj.modifiers if bends(one) and (not is_seen or one.name in self._refinement.unbent)]
 
 
 def _refuse_changed(obj, is_unchanged):
@@ -163,12 +169,12 @@ def _remember(obj, solved, instead=False):
     memory.remember(obj, line, solved, instead)
 
 
-def write_quads(obj, request, result, report, selection, surface, is_seen, replaced=None) -> Json:
+def write_quads(obj, request, result, report, selection, surface, bending, replaced=None) -> Json:
     """Make the quad mesh's object, or give ``replaced`` its faces, with what the object ``surface`` carries that was
-    solved on, which shows what modifiers make of the object or not; returns the report."""
+    solved on, and the modifiers that bend it, too; returns the report."""
     with report.clock("write"):
         defects = write.reported_defects(obj, request, result.field, result.pattern)
-        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface, is_seen, replaced)
+        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface, bending, replaced)
         if result.loops_before is not None:
             report.quad_mesh["loops_before"] = result.loops_before
     plain = report.finish(result.field, result.pattern, defects)

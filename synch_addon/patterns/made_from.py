@@ -14,7 +14,7 @@ from ...core.settings.guidance import GUIDES
 from ..blender import attributes, meshes
 from ..blender.changes import changes
 from ..blender.groups import read_weights
-from ..blender.modifiers import carries, changing_modifiers, foreign_modifiers, is_relief, shows_frames
+from ..blender.modifiers import carries, changing_modifiers, foreign_modifiers, is_relief, last_bending, shows_frames
 from ..jobs.lru_cache import LruCache
 from ..reading.refinement import digest_of, state_of, unequal_levels
 from ..reading.surface import settings_for
@@ -78,6 +78,8 @@ def _seen(obj, surface):
     mesh = evaluated.to_mesh()
     try:
         places = attributes.read_all(mesh.attributes["position"].data, "vector", 3, np.float32)
+        if surface != "seen" and last_bending(obj):  # the quad mesh is bent by the same modifiers
+            places = places[:0]
         return _of_mesh(mesh, places, _levels(obj))
     finally:
         evaluated.to_mesh_clear()

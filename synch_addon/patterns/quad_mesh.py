@@ -28,15 +28,13 @@ _PLACE = (
     *("rotation_mode", "location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale"),
     *("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale"),
 )
-# Modifiers that bend any mesh alike, whatever its faces.
-_BENDING = {"ARMATURE", "CAST", "CURVE", "LATTICE", "SIMPLE_DEFORM", "WARP"}
 
 
-def write(obj, request, quads, selection, carrying, is_seen, replaced=None):
+def write(obj, request, quads, selection, carrying, bending, replaced=None):
     """Make the object, show it instead of the given one, and return its figures for the report.
 
     ``carrying`` is the object whose mesh was solved on: the given one, or one with a surface of the pattern's own.
-    ``is_seen`` says whether modifiers have shaped it: else those that only bend it bend the new one, too.
+    ``bending`` are modifiers that have not shaped that mesh, and bend the new one, too.
     ``replaced`` is an earlier quad mesh of the object, which gets the new faces.
     """
     mesh = request.given.mesh
@@ -46,9 +44,8 @@ def write(obj, request, quads, selection, carrying, is_seen, replaced=None):
     data = new_mesh(f"{obj.data.name} Quads", points, quads.corner_vertices, quads.sizes, smooth=True)
     if replaced is None:
         made = _new_object(obj, data)
-        for modifier in () if is_seen else obj.modifiers:
-            if modifier.type in _BENDING:
-                _copy(modifier, made)
+        for modifier in bending:
+            _copy(modifier, made)
     else:
         made = replaced
         assign(made, "data", data)

@@ -12,7 +12,7 @@ from ...core.errors import SynchError
 from ...core.refinement import BoundSurface
 from ...core.refinement.spacing import finer_copy, is_fine
 from ..blender import attributes, meshes
-from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
+from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours, last_bending
 from ..blender.refined_mesh import refined_object
 from .surface import read_spacing_map
 
@@ -28,6 +28,7 @@ class Refinement:
     state : hash of the object's own mesh, see :func:`state_of`
     topology : hash of the mesh that it is bound to, without places, see :func:`_topology_of`
     mirror : axes of the pattern's mirror: those asked for, or where a quad mesh has none, those of modifiers
+    unbent : names of modifiers that bend the object and that the surface is without, for a quad mesh to have them
     """
 
     bound: BoundSurface
@@ -35,6 +36,7 @@ class Refinement:
     state: str
     topology: str
     mirror: str
+    unbent: tuple[str, ...] = ()
 
     @property
     def figures(self):
@@ -69,7 +71,10 @@ def refinement_of(command, obj, settings, follows_mirror):
 
 def _refine(command, obj, settings, applies_modifiers, follows_mirror):
     """The :class:`Refinement` of the object's mesh, or of what its modifiers make of it."""
-    with source_of(obj, applies_modifiers) as source:
+    unbent = ()
+    if command == "quad_mesh" and applies_modifiers and settings.surface != "seen":
+        unbent = tuple(modifier.name for modifier in last_bending(obj))
+    with source_of(obj, applies_modifiers, unbent) as source:
         read = meshes.read_faces(source)
         edges = attributes.read_all(source.data.edges, "vertices", 2)
         state, topology = state_of(obj), _topology_of(source, edges)
@@ -80,7 +85,7 @@ def _refine(command, obj, settings, applies_modifiers, follows_mirror):
             mirror = _mirrored_by_modifiers(obj)
         may_replace = command == "quad_mesh" and bool(settings.mirror)
         bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors, may_replace)
-        return Refinement(bound, applies_modifiers, state, topology, mirror)
+        return Refinement(bound, applies_modifiers, state, topology, mirror, unbent)
 
 
 def _mirrored_by_modifiers(obj):
@@ -90,13 +95,14 @@ def _mirrored_by_modifiers(obj):
 
 
 @contextmanager
-def source_of(obj, is_seen):
-    """The object whose mesh is refined: the given one, or for a while a copy of what its modifiers make of it."""
+def source_of(obj, is_seen, unbent=()):
+    """The object whose mesh is refined: the given one, or for a while a copy of what its modifiers make of it, without
+    the ``unbent`` ones."""
     if not is_seen:
         yield obj
         return
-    ours = [modifier for modifier in obj.modifiers if is_ours(modifier)]
-    with hidden(ours), _levels_of_renders(obj):
+    left_out = [modifier for modifier in obj.modifiers if is_ours(modifier) or modifier.name in unbent]
+    with hidden(left_out), _levels_of_renders(obj):
         graph = bpy.context.evaluated_depsgraph_get()
         data = bpy.data.meshes.new_from_object(obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph)
     seen = bpy.data.objects.new(obj.name, data)
@@ -135,7 +141,7 @@ def solved_object(obj, refinement):
     if refinement is None:
         yield obj
         return
-    with source_of(obj, refinement.is_seen) as source:
+    with source_of(obj, refinement.is_seen, refinement.unbent) as source:
         made = made_of(obj, source, refinement)
     try:
         yield made

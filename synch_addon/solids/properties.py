@@ -91,7 +91,9 @@ class SynchLayering(LayerProperties, _shown("spacing"), _shown("size"), bpy.type
     array: StringProperty(name="Array", description="Name of the array of vectors; empty for the only one")
     groups: CollectionProperty(name="Groups", description="Conditions on parts of the surface", type=SynchFlush)
     automatic_spacing: BoolProperty(
-        name="Automatic Spacing", description="As many layers as the resolution carries, forty at most", default=True
+        name="Automatic Spacing",
+        description="24 layers across the object, or up to forty where the resolution carries them",
+        default=True,
     )
     automatic_size: BoolProperty(
         name="Automatic Size",

@@ -154,12 +154,15 @@ def test_strokes_and_maps_on_a_quad_mesh_are_those_of_its_source(ball, keep):
     ball.wait_for(update)
     ball.press("Z", ctrl=True)
     ball.until("len(part('patterns.guide_strokes').strokes_of(active().synch.source)) == 0")
-    ball.run("bpy.ops.synch.paint_map(target='SPACING')")
+    before = ball.value("active().data.name")
+    ball.click("Paint Density")
     ball.wait_for("Done Painting")
     ball.drag(line(ball, (-0.5, 0), (0.5, 0.1)))
-    ball.click("Done Painting")
+    keep("painting_on_quads", ball.picture())
+    ball.click(update)
     ball.until("'Spacing' in active().synch.source.vertex_groups")
-    ball.wait_for(update)
+    ball.until(f"active().mode == 'OBJECT' and active().data.name != {before!r}")
+    ball.wait_for("Density")
     keep("painted_on_quads", ball.picture())
 
 

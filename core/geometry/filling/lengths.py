@@ -22,8 +22,9 @@ SOLVED_BYTES = 2000
 # Edges of the solid per layer: if spacing or size follows from the other, and at least.
 EDGES_PER_LAYER = 3.0
 FEWEST_EDGES = 2.0
-# Most layers across the object if no spacing is given.
-LAYERS_ACROSS = 40
+# If no spacing is given: most layers across the object, those that there are by solving for several layers together,
+# and the most that are solved for together for that.
+LAYERS_ACROSS, WANTED_ACROSS, TOGETHER = 40, 24, 4
 # A period of the pattern carries one layer as long as that takes no more tetrahedra, where no size is given.
 UNDIVIDED_TETS = 1_200_000
 
@@ -170,7 +171,9 @@ class Lengths(NamedTuple):
         """
         extents = np.ptp(distance.bounds, axis=0)
         if spacing is None:
-            spacing = max(float(extents.max()) / LAYERS_ACROSS, EDGES_PER_LAYER * size / lowest)
+            across, single = float(extents.max()), EDGES_PER_LAYER * size / lowest
+            wanted = min(across / WANTED_ACROSS, single)
+            spacing = max(across / LAYERS_ACROSS, wanted, single / (divisions or TOGETHER))
         reach = float(np.linalg.norm(extents))
         if spacing > reach:
             raise SettingError(

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking from the window: map after map, so that it is drawn in between, and cancelled without a trace."""
 
+import gc
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import bpy
@@ -10,7 +12,9 @@ import pytest
 
 from synch_fields.core.settings.bake import BakeSettings
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.bakes import other_process
 from synch_fields.synch_addon.bakes.job import BakeJob
+from synch_fields.synch_addon.bakes.other_process import OtherProcess
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
@@ -25,14 +29,15 @@ class Bake(Recorded, BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label = "Bake"
-    _headline = SYNCH_OT_bake._headline
+    _headline, _elsewhere = SYNCH_OT_bake._headline, False
 
-    def __init__(self, **settings):
+    def __init__(self, elsewhere=False, **settings):
         super().__init__()
+        self._elsewhere = elsewhere
         self.settings = BakeSettings(maps=MAPS, size=32, samples=1, unwrap=True, **settings)
 
     def _job(self, context):
-        return BakeJob(context.active_object, self.settings)
+        return BakeJob(context.active_object, self.settings, self._elsewhere)
 
 
 @pytest.fixture
@@ -75,6 +80,52 @@ def test_files_are_those_of_a_script(striped, tmp_path):
     for name in files(tmp_path / "window"):
         images = [bpy.data.images.load(str(tmp_path / kind / name)) for kind in ("window", "script")]
         assert images[0].pixels[:] == images[1].pixels[:]
+
+
+def test_another_process_bakes_the_same_while_the_window_goes_on(striped, tmp_path):
+    maps = ("mask", "colour", "height", "normal", "phase", "index")
+    loops = []
+    for elsewhere in (True, False):
+        before = everything()
+        folder = tmp_path / str(elsewhere)
+        folder.mkdir()
+        bake = Bake(elsewhere, folder=str(folder), naming="{map}")
+        bake.settings = replace(bake.settings, maps=maps)
+        loop, operator = begun(bake)
+        loops.append(0)
+        while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
+            loops[-1] += 1
+            assert everything() == before
+            if elsewhere:
+                time.sleep(0.02)
+        assert operator.reports[-1][0] == {"INFO"}
+    assert loops[0] > loops[1] + 5
+    for name in maps:
+        images = [bpy.data.images.load(str(tmp_path / kind / f"{name}.png")) for kind in ("True", "False")]
+        assert images[0].pixels[:] == images[1].pixels[:], name
+
+
+def test_escape_ends_the_process_that_bakes(striped, tmp_path):
+    before = everything()
+    bake = Bake(True, folder=str(tmp_path))
+    bake.settings = replace(bake.settings, size=1024, samples=64)
+    loop, operator = begun(bake)
+    for _ in range(5):
+        loop.send(operator, "TIMER")
+    child = next(o for o in gc.get_objects() if isinstance(o, OtherProcess))._child
+    assert operator._work.stage == "mask" and child.poll() is None
+    assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
+    assert child.poll() is not None and everything() == before and files(tmp_path) == []
+
+
+def test_a_process_that_fails_is_said_in_one_line(striped, tmp_path, monkeypatch):
+    monkeypatch.setattr(other_process, "_PROGRAM", tmp_path / "missing.py")
+    (tmp_path / "out").mkdir()
+    loop, operator = begun(Bake(True, folder=str(tmp_path / "out")))
+    while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
+        time.sleep(0.02)
+    assert operator.reports[-1][0] == {"ERROR"} and "ended without an image (code 2)" in operator.reports[-1][1]
+    assert files(tmp_path / "out") == []
 
 
 @pytest.mark.parametrize("pieces", [0, 3])

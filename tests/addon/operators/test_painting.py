@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Maps are painted by one click, in their own units."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.settings.painting import painted_map
 
 from ..run_commands import add_weights
-from ..scenes import add_group, directions, grid, places, set_numbers, snapshot
+from ..scenes import add_group, directions, grid, places, set_numbers, snapshot, sphere
 
 
 @pytest.fixture(autouse=True)
@@ -133,6 +135,27 @@ def test_what_is_painted_is_what_is_solved():
     np.testing.assert_allclose(
         found, np.tile([np.cos(np.radians(20)), np.sin(np.radians(20)), 0], (len(found), 1)), atol=1e-4
     )
+
+
+@pytest.mark.parametrize("kind", ["stripes", "quad_mesh"])
+def test_one_click_ends_painting_and_makes_what_the_panel_makes(kind):
+    obj = sphere()
+    obj.synch_simple.kind = kind
+    bpy.ops.synch.paint_map(target="SPACING")
+    assert bpy.ops.synch.done_painting(solves=True) == {"FINISHED"}
+    made = bpy.context.active_object
+    assert (made == obj) == (kind == "stripes") and made.mode == "OBJECT"
+    assert json.loads(made.synch.result)["command"] == kind
+    if kind == "stripes":
+        return
+    before = len(made.data.polygons)
+    made.synch.faces = 2 * before
+    bpy.ops.synch.paint_map(target="SPACING")
+    bpy.ops.synch.done_painting()
+    assert made.mode == "OBJECT" and len(made.data.polygons) == before
+    bpy.ops.synch.paint_map(target="SPACING")
+    bpy.ops.synch.done_painting(solves=True)
+    assert len(made.data.polygons) == pytest.approx(2 * before, rel=0.1)
 
 
 def test_weights_between_give_angles_between():

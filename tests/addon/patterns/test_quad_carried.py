@@ -6,9 +6,11 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.synch_addon.patterns import made_from as quad_sources
+
 from ..quad_meshes import corner_vertices, made_from
 from ..run_commands import add_weights
-from ..scenes import attribute, grid, hexagon_sphere, mark_edges, places, quad_sphere, sphere
+from ..scenes import attribute, grid, hexagon_sphere, make_active, mark_edges, places, quad_sphere, sphere
 
 
 def lattice(obj, **settings):
@@ -270,6 +272,48 @@ def test_a_quad_mesh_follows_the_rig_of_its_source():
     low, high = (np.array(made.evaluated_get(bpy.context.evaluated_depsgraph_get()).bound_box)[k, 2] for k in (0, 1))
     top = places(obj)[:, 2].max()
     assert low == pytest.approx(-top, abs=0.1) and high == pytest.approx(top + 1, abs=0.1)
+
+
+def raised_half(*kinds):
+    """A half ball that modifiers complete, then a bone raises where it is above the middle; and the bone's rig."""
+    obj = sphere()
+    bpy.ops.object.armature_add()
+    rig = bpy.context.active_object
+    obj.vertex_groups.new(name="Bone").add([v.index for v in obj.data.vertices if v.co.z > 0], 1.0, "REPLACE")
+    for kind in kinds:
+        modifier = obj.modifiers.new(kind.title(), kind)
+        if kind == "ARMATURE":
+            modifier.object = rig
+        elif kind == "MIRROR":
+            modifier.use_bisect_axis = (True, False, False)
+    rig.pose.bones["Bone"].location = (0, 1, 0)
+    make_active(obj)
+    return obj, rig
+
+
+@pytest.mark.parametrize("kinds", [("MIRROR", "ARMATURE"), ("ARMATURE", "SUBSURF"), ("SUBSURF", "ARMATURE")])
+def test_a_pose_after_modifiers_that_change_faces_stays_one(kinds):
+    """The quads are of the ball at rest, and posed as it is; at rest they are a ball again."""
+    obj, rig = raised_half(*kinds)
+    made, _ = made_from(obj, spacing=0.5)
+    assert np.linalg.norm(places(made), axis=1) == pytest.approx(1, abs=0.05)
+    assert [modifier.type for modifier in made.modifiers] == ["ARMATURE"] and made.modifiers[0].object == rig
+    assert not quad_sources.has_changed(made, obj)
+
+    def heights():
+        bpy.context.view_layer.update()
+        return np.array(made.evaluated_get(bpy.context.evaluated_depsgraph_get()).bound_box)[:2, 2]
+
+    assert heights() == pytest.approx([-1, 2], abs=0.1)
+    rig.pose.bones["Bone"].location = (0, 0, 0)
+    assert heights() == pytest.approx([-1, 1], abs=0.1)
+    assert not quad_sources.has_changed(made, obj)
+
+
+def test_a_pose_that_others_shape_later_is_part_of_the_quads():
+    obj, _ = raised_half("ARMATURE", "MIRROR")
+    made, _ = made_from(obj, spacing=0.5)
+    assert places(made)[:, 2].max() == pytest.approx(2, abs=0.1) and not made.modifiers
 
 
 def test_what_modifiers_have_shaped_is_not_shaped_again():

@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, round_up
+from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.lengths import (
     EDGES_PER_LAYER,
+    FEWEST_EDGES,
     LAYERS_ACROSS,
     MOST_TETS,
+    TOGETHER,
+    WANTED_ACROSS,
     Lengths,
     Measures,
     estimate,
@@ -25,16 +29,30 @@ def test_automatic_lengths_fit_one_another():
     distance = SurfaceDistance(cube(2))
     expected = estimate(distance)
     assert expected.tets == pytest.approx(100_000, rel=0.01)
-    both = Lengths.of(distance, None, None)
+    both = Lengths.of(distance, None, None, divisions=1)
     assert both.spacing == max(1 / LAYERS_ACROSS, EDGES_PER_LAYER * both.size) and both.size == expected.size
     assert Lengths.of(distance, 0.07, None).size == pytest.approx(0.07 / EDGES_PER_LAYER)
     assert Lengths.of(distance, 0.06, None, divisions=1).size == pytest.approx(0.06 / EDGES_PER_LAYER)
-    assert Lengths.of(distance, None, 0.1).spacing == pytest.approx(0.3)
-    assert Lengths.of(distance, None, 0.1, 0.5).spacing == pytest.approx(0.6)
+    assert Lengths.of(distance, None, 0.1, divisions=1).spacing == pytest.approx(0.3)
+    assert Lengths.of(distance, None, 0.1, 0.5, divisions=1).spacing == pytest.approx(0.6)
     assert Lengths.carried(distance, 0.01, 0.1) == (0.01, 0.1, 30)
     # What would take too many tetrahedra is solved for several layers together, at the automatic size.
     fine = Lengths.of(distance, 0.01, None)
     assert fine.size == both.size and fine.divisions == np.ceil(EDGES_PER_LAYER * both.size / 0.01)
+
+
+@pytest.mark.parametrize("stretch", [1, 2, 5, 20])
+@pytest.mark.parametrize("size", [None, 0.05, 0.1])
+def test_there_are_as_many_layers_as_wanted_or_as_a_few_in_a_period_give(stretch, size):
+    """On a block of any length; along a thin one, whose edges are short, each period carries one layer."""
+    block = SurfaceDistance(TriangleMesh(cube(2).vertices * [stretch, 1, 1], cube(2).triangles))
+    lengths = Lengths.of(block, None, size)
+    layers = stretch / lengths.spacing
+    assert layers <= LAYERS_ACROSS * (1 + 1e-9) and lengths.divisions <= TOGETHER
+    assert layers >= WANTED_ACROSS * (1 - 1e-9) or lengths.divisions == TOGETHER
+    assert lengths.period >= FEWEST_EDGES * lengths.size
+    alone = Lengths.of(block, None, size, divisions=1)
+    assert lengths.divisions == 1 or stretch / alone.spacing < WANTED_ACROSS
 
 
 @pytest.mark.parametrize(
