@@ -14,7 +14,7 @@ from ....geometry import TriangleMesh
 from ....geometry.nearest import nearest_in_triangles
 from ....graphs import components
 from ....unit_vectors import cross
-from ..features.chains import Chains, move_vertices
+from ..features.chains import Chains
 from ..measure.quality import STRAIGHT
 from ..trace.quad_mesh import QuadMesh
 from .fitting import project_vertices
@@ -251,7 +251,7 @@ class Patches:
             tried = project_vertices(quads, self.ground.mesh, lines, chains, self.moving, places)
             better = are_better(tried.vertices, waiting)
             which = self.moving[better[self.of_moving]]
-            quads = move_vertices(quads, which, tried.vertices[which], tried.triangles[which], tried.weights[which])
+            quads = quads.moved(which, tried.vertices[which], tried.triangles[which], tried.weights[which])
             waiting &= ~better
         return quads, ~waiting
 
