@@ -253,6 +253,8 @@ class Patches:
             which = self.moving[better[self.of_moving]]
             quads = quads.moved(which, tried.vertices[which], tried.triangles[which], tried.weights[which])
             waiting &= ~better
+            if not waiting.any():
+                break
         return quads, ~waiting
 
     def norms(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -292,6 +294,8 @@ class Patches:
 
     def stay_near(self, vertices: np.ndarray, wanted: np.ndarray, near: float) -> np.ndarray:
         """(p,) bool: the wanted patches that stay as near to the surface, or nearer than a part of their mean edge."""
+        if not wanted.any():
+            return wanted
         away = self.ground.distances(self, vertices, wanted, self.below, near)
         far = wanted & (away > near * self.sides)
         if not far.any():
