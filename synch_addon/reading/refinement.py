@@ -70,8 +70,8 @@ def refinement_of(command, obj, settings, follows_mirror):
         mirror = settings.mirror
         if follows_mirror and not mirror and command == "quad_mesh" and is_seen:
             mirror = _mirrored_by_modifiers(obj)
-        may_replace = command == "quad_mesh" and bool(settings.mirror)
-        bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors, may_replace)
+        mirrored, may_replace = replace(settings, mirror=mirror), bool(settings.mirror)
+        bound = finer_copy(command, read, edges, given, mirrored, factors, may_replace)
         return Refinement(bound, is_seen, state, topology, mirror), None
 
 
