@@ -141,8 +141,8 @@ class NearestTriangles:
         if len(at) == 0:
             return
         new_places, new_squares = self._nearest_on(points[at], triangles)
-        starts = np.flatnonzero(np.diff(at, prepend=-1))
-        owners = np.cumsum(np.diff(at, prepend=-1) > 0) - 1
+        begins = np.append(True, at[1:] != at[:-1])
+        starts, owners = np.flatnonzero(begins), np.cumsum(begins) - 1
         least = np.minimum.reduceat(new_squares, starts)[owners]
         first = np.minimum.reduceat(np.where(new_squares == least, triangles, len(self.triangles)), starts)[owners]
         is_better = (new_squares < squares[at]) | ((new_squares == squares[at]) & (triangles < found[at]))
@@ -240,7 +240,8 @@ def nearest_in_triangles(points: ArrayLike, corners: Sequence[np.ndarray] | np.n
 
 def _by_component(places: ArrayLike) -> np.ndarray:
     """Move the coordinates of (..., 3) places to the front: (3, ...)."""
-    return np.ascontiguousarray(np.moveaxis(np.asarray(places, float), -1, 0))
+    places = np.asarray(places, float)
+    return np.ascontiguousarray(places.transpose(-1, *range(places.ndim - 1)))
 
 
 def _product(u: np.ndarray, v: np.ndarray) -> np.ndarray:

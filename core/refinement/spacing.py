@@ -104,8 +104,8 @@ def carries_few_lines(command: str, size: float, spacing: float) -> bool:
 
 
 def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: float | np.ndarray = 1.0) -> bool:
-    """Whether faces carry the pattern asked for: their edges are short enough, joined where they meet, and for quad
-    meshes along a mirror plane.
+    """Whether faces carry the pattern asked for: their edges are short enough, joined where they meet, the mirror images
+    of others, and for quad meshes along a mirror plane.
 
     ``factors`` are one, or (n,) on the spacing. SettingError as of :func:`asked_spacings`.
     """
@@ -121,7 +121,7 @@ def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: 
     # Cut at two planes, a face that lies across both is not always mirrored.
     if command == "quad_mesh" and len(units) == 1 and not are_divided_by_edges(mesh, units):
         return False
-    if command == "quad_mesh" and not is_mirrored(uncut, given.polygons, settings.mirror):
+    if not is_mirrored(uncut, given.polygons, settings.mirror):
         return False
     if len(uncut.boundary_edges) == 0:
         return True

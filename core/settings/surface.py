@@ -93,8 +93,8 @@ class SurfaceSettings(SolverSettings):
     mirror: str = _direction_setting(
         "",
         "Mirror",
-        "Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric; a quad "
-        "mesh mirrors the positive side of any mesh",
+        "Make the pattern its own mirror image in these axes of the object; where the mesh is not symmetric, its "
+        "positive side is mirrored",
         placeholder="AXES",
     )
     singularities: float | None = _direction_setting(

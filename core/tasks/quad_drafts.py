@@ -90,12 +90,12 @@ def draw(request: "SurfaceRequest", directions: DirectionField, progress: Callba
 
 def settle(draft: Draft) -> Draft:
     """The draft of a first field, corrected a few times, as long as that leaves fewer dislocations."""
-    if draft.is_settled:
+    if draft.is_settled or draft.request.options.method != FIRST or not draft.result.pattern.dislocations:
         return draft
     request, given = draft.request, draft.result.pattern
     pattern, is_settled = given, False
     for _ in range(CORRECTIONS):
-        if request.options.method != FIRST or not pattern.dislocations:
+        if not pattern.dislocations:
             is_settled = True
             break
         corrected = untangle(pattern, request.options)

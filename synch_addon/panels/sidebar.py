@@ -158,7 +158,7 @@ def draw_main(layout, obj):
         draw_strokes(column)
     if simple.direction == "OTHER" and is_simple():
         column.label(text="Guides: Advanced, Guide", icon="BLANK1")
-    is_any = simple.kind == "quad_mesh"  # any mesh can be mirrored
+    is_any = simple.kind != "directions"  # patterns are mirrored on any mesh
     axes = {0, 1, 2} if is_any else {*mirror_axes(source), *(axis for axis in range(3) if settings.mirror[axis])}
     if axes:
         draw_mirror(column, settings, sorted(axes))

@@ -83,8 +83,8 @@ def _refine(command, obj, settings, applies_modifiers, follows_mirror):
         mirror = settings.mirror
         if follows_mirror and not mirror and command == "quad_mesh" and applies_modifiers:
             mirror = _mirrored_by_modifiers(obj)
-        may_replace = command == "quad_mesh" and bool(settings.mirror)
-        bound = finer_copy(command, read, edges, given, replace(settings, mirror=mirror), factors, may_replace)
+        mirrored, may_replace = replace(settings, mirror=mirror), bool(settings.mirror)
+        bound = finer_copy(command, read, edges, given, mirrored, factors, may_replace)
         return Refinement(bound, applies_modifiers, state, topology, mirror, unbent)
 
 

@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mirror symmetry on Blender's meshes: exact patterns, cuts, and what is refused."""
 
+import re
+
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import AsymmetryError
@@ -129,3 +132,48 @@ def test_coarse_meshes_are_mirrored_on_a_surface_of_their_own():
     assert cKDTree(made_at).query(made_at * [-1, 1, 1])[0].max() < 1e-5
     assert not any("no mirror image" in line for line in report["warnings"])
     assert report["quad_mesh"]["quad_share"] == 1
+
+
+def bulging_ball(angle, reach):
+    """A ball with a bulge where x is beyond ``reach``, and its vertices turned by an angle before that."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)
+    obj = bpy.context.active_object
+    obj.data.transform(Matrix.Rotation(angle, 4, (1, 2, 3)))
+    for vertex in obj.data.vertices:
+        vertex.co.y *= 1 + 0.2 * max(vertex.co.x, reach) ** 2 if reach == 0 else 1 + 0.2 * vertex.co.x**2
+    obj.data.update()
+    return obj
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("make", [api.stripes, api.quads])
+def test_patterns_are_mirrored_where_triangles_are_not(make):
+    """A fine ball whose vertices have no mirror images, with a bulge on the side that is mirrored."""
+    obj = ball_with_bulge(is_one_sided=True)
+    report = make(obj, mirror="X", surface="automatic", spacing=0.4)
+    (away,) = re.findall("not symmetric in X: its positive side is mirrored, up to ([0-9.]+)", str(report["warnings"]))
+    assert float(away) == pytest.approx(0.05, rel=0.1)
+    surface = surface_of(obj)
+    places, directions = (attribute(surface, name).astype(float) for name in ("position", "synch_direction"))
+    distances, images = cKDTree(places).query(places * [-1, 1, 1])
+    assert distances.max() < 1e-6 and len(np.unique(images)) == len(places)
+    pattern = attribute(surface, "synch_pattern")
+    np.testing.assert_allclose(pattern[images], pattern, atol=1e-6)
+    if make is api.stripes:  # crosses may be turned
+        assert np.abs(np.einsum("nx,nx->n", directions[images] * [-1, 1, 1], directions)).min() > 0.999
+    # About the same surface, with triangles that are mirrored already.
+    whole = make(ball_with_bulge(is_one_sided=False), mirror="X", surface="automatic", spacing=0.4)
+    assert "surface" not in whole and report["energy"] == pytest.approx(whole["energy"], rel=0.1)
+    assert report["lower_bound"] <= report["energy"]
+
+
+def ball_with_bulge(is_one_sided):
+    """A ball with a bulge at positive X, turned before that, or one with bulges and triangles alike on both sides."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)
+    obj = bpy.context.active_object
+    if is_one_sided:
+        obj.data.transform(Matrix.Rotation(0.3, 4, (1, 2, 3)))
+    for vertex in obj.data.vertices:
+        vertex.co.y *= 1 + 0.2 * (max(vertex.co.x, 0) if is_one_sided else vertex.co.x) ** 2
+    obj.data.update()
+    return obj

@@ -9,6 +9,8 @@ crowded, chains follow the parts of the line on which edges lie.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from heapq import heappop, heappush
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -16,10 +18,9 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from ....fields.constraints.features import quads_around
-from ....geometry import TriangleMesh
-from ....graphs import ragged_arange
 from ..trace.boundary_graph import vertex_places
 from ..trace.quad_mesh import SHORTEST, QuadMesh
+from .edge_net import EdgeNet, pieces_of
 from .feature_lines import FeatureLines
 
 # Largest distances, in sides of a quad, by which a vertex is moved onto a corner or a line.
@@ -85,84 +86,45 @@ def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) 
     With ``cut``, faces are cut in two where a line leads through them.
     """
     side = float(quads.edge_lengths.mean())
-    edges, counts = quads.edges
-    on_rim = quads.on_rim
-    at_corner = _prefer_neighbours(quads, features, side, _corner_vertices(quads, features, side, on_rim))
+    at_corner = _prefer_neighbours(quads, features, side, _corner_vertices(quads, features, side))
     taken = np.zeros(len(quads.vertices), bool)
     taken[list(at_corner.values())] = True
     lines, fixed = np.full(len(taken), -1), taken.copy()
     corners = np.array(list(at_corner), int)
     at = np.array(list(at_corner.values()), int)
-    quads = move_vertices(quads, at, features.mesh.vertices[corners], *vertex_places(features.mesh, corners))
-    tree, pieces = cKDTree(quads.vertices), _pieces(quads, features.mesh)
-    followed, diagonals = features.lengths.copy(), _diagonals(quads) if cut else edges[:0]
-    passages = [_Passages(part, len(taken)) for part in (edges[counts == 1], edges[counts != 1], diagonals)]
+    quads = quads.moved(at, features.mesh.vertices[corners], *vertex_places(features.mesh, corners))
+    followed, net = features.lengths.copy(), EdgeNet.of(quads, features, LINE_REACH * side, taken, cut)
     for number in np.argsort(~features.on_boundary, kind="stable").tolist():
-        line = features.lines[number]
-        reach = LINE_REACH * side + features.lengths[number] / len(line)
-        close = np.zeros(len(taken), bool)
-        close[np.concatenate(tree.query_ball_point(features.mesh.vertices[line], reach)).astype(int)] = True
-        near = np.flatnonzero(close & ~taken & (pieces == features.mesh.pieces[line[0]]))
-        ends = [at_corner[int(corner)] for corner in line[[0, -1]] if int(corner) in at_corner]
-        between = [part.between(np.union1d(near, ends).astype(int)) for part in passages]
-        usable, made = (between[0], edges[:0]) if features.on_boundary[number] else between[1:]
-        ways, apart = np.full(len(taken), np.nan), np.full(len(taken), np.inf)
-        ways[near], apart[near] = features.nearest(number, quads.vertices[near])
-        chain = _chain(quads, features, number, side, (usable, made), at_corner, (ways, apart), on_rim)
+        chain = _chain(net, features, number, side, at_corner)
         with_cuts = None if chain is None else _cut_faces(quads, chain[2])
         if chain is None or with_cuts is None:
             followed[number] = 0
-            for vertices, places, length in _parts(quads, features, number, side, usable, at_corner, ways, apart):
-                lines[vertices], taken[vertices] = number, True
-                quads = move_vertices(quads, vertices, *features.at(number, places))
+            for vertices, places, length in _parts(net, features, number, side, at_corner):
+                lines[vertices] = number
+                net.take(vertices)
+                quads = quads.moved(vertices, *features.at(number, places))
                 followed[number] = min(followed[number] + length, features.lengths[number])
             continue
         vertices, ways, cuts = chain
-        lines[vertices], taken[vertices] = number, True
+        lines[vertices] = number
+        net.take(vertices)
         if len(cuts):
-            quads = with_cuts
-            edges, counts = quads.edges
-            passages = [
-                _Passages(part, len(taken)) for part in (edges[counts == 1], edges[counts != 1], _diagonals(quads))
-            ]
-        quads = move_vertices(quads, vertices, *features.at(number, ways))
+            quads, net = with_cuts, net.of_faces(with_cuts)
+        quads = quads.moved(vertices, *features.at(number, ways))
     gaps = features.lengths / (1 + np.bincount(lines[lines >= 0], minlength=len(features.lines)))
     return quads, Chains(features, lines, fixed, followed, gaps)
 
 
-class _Passages:
-    """(e, 2) edges or diagonals of a quad mesh with some number of vertices, found from their ends."""
-
-    def __init__(self, ends: np.ndarray, count: int) -> None:
-        self._ends, self._order = ends, np.argsort(ends, axis=None, kind="stable")
-        self._starts = np.searchsorted(ends.ravel()[self._order], np.arange(count + 1))
-
-    def between(self, vertices: np.ndarray) -> np.ndarray:
-        """(k, 2) those with both ends among (v,) ascending vertices, in their order."""
-        rows, places = ragged_arange(self._starts[vertices + 1] - self._starts[vertices])
-        found, counts = np.unique(self._order[self._starts[vertices][rows] + places] // 2, return_counts=True)
-        return self._ends[found[counts == 2]]
-
-
-def move_vertices(
-    quads: QuadMesh, which: np.ndarray, places: np.ndarray, triangles: np.ndarray, weights: np.ndarray
-) -> QuadMesh:
-    """The quad mesh with some vertices moved on the surface."""
-    result = replace(quads, **{n: getattr(quads, n).copy() for n in ("vertices", "triangles", "weights")})
-    result.vertices[which], result.triangles[which], result.weights[which] = places, triangles, weights
-    return result
-
-
-def _corner_vertices(quads: QuadMesh, features: FeatureLines, side: float, on_rim: np.ndarray) -> dict[int, int]:
+def _corner_vertices(quads: QuadMesh, features: FeatureLines, side: float) -> dict[int, int]:
     """The vertex of the quad mesh for each corner; the pairs with the least cost are chosen first."""
     mesh, corners = features.mesh, features.corners
     if len(corners) == 0:
         return {}
     valences = np.bincount(quads.edges[0].ravel(), minlength=len(quads.vertices))
-    of_vertices, of_corners = _pieces(quads, mesh), mesh.pieces[corners]
+    of_vertices, of_corners = pieces_of(quads, mesh), mesh.pieces[corners]
     wanted = quads_around(mesh, features.edges, corners) + mesh.boundary_vertices[corners]
     pairs = cKDTree(mesh.vertices[corners]).query_ball_tree(cKDTree(quads.vertices), CORNER_REACH * side)
-    costs = []
+    on_rim, costs = quads.on_rim, []
     for place, near in enumerate(pairs):
         for vertex in near:
             same_piece = of_vertices[vertex] == of_corners[place]
@@ -195,23 +157,6 @@ def _prefer_neighbours(
     return at_corner | dict(zip(corner_of[ends[stands, 0]].tolist(), ends[stands, 1].tolist(), strict=True))
 
 
-def _pieces(quads: QuadMesh, mesh: TriangleMesh) -> np.ndarray:
-    """(n,) component of the surface that each vertex of the quad mesh is on."""
-    return mesh.pieces[mesh.triangles[quads.triangles, 0]]
-
-
-def _diagonals(quads: QuadMesh) -> np.ndarray:
-    """(d, 2) vertices between which a face can be cut in two: not joined by an edge, nor corners of another face."""
-    across = [np.empty((0, 2), int)]
-    for size in np.unique(quads.sizes):
-        corners = quads.corner_vertices[quads.starts[quads.sizes == size, None] + np.arange(size)]
-        across += [corners[:, [i, j]] for i in range(size) for j in range(i + 2, size - (i == 0))]
-    pairs, faces = np.unique(np.sort(np.concatenate(across), axis=1), axis=0, return_counts=True)
-    pairs = pairs[faces == 1]
-    count = len(quads.vertices)
-    return pairs[~np.isin(pairs @ [count, 1], quads.edges[0] @ [count, 1])]
-
-
 def _cut_faces(quads: QuadMesh, pairs: np.ndarray) -> QuadMesh | None:
     """The quad mesh with a face cut in two between each of (k, 2) vertices; None where a cut separates other pairs."""
     faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])] if len(pairs) else []
@@ -229,40 +174,33 @@ def _cut_faces(quads: QuadMesh, pairs: np.ndarray) -> QuadMesh | None:
 
 
 def _chain(
-    quads: QuadMesh,
-    features: FeatureLines,
-    number: int,
-    side: float,
-    edges: tuple[np.ndarray, np.ndarray],
-    at_corner: dict[int, int],
-    nearest: tuple[np.ndarray, np.ndarray],
-    on_rim: np.ndarray,
+    net: EdgeNet, features: FeatureLines, number: int, side: float, at_corner: dict[int, int]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Vertices along one line without its corners, their positions along it, and the pairs of vertices between which
-    faces are cut; None without a chain.
-
-    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut; ``near`` are (k,) vertices
-    that may lie on the line.
-    """
-    line, length = features.lines[number], features.lengths[number]
-    ways, apart = nearest
-    begin, closed = 0.0, features.closed[number]
-    first, last = (at_corner.get(int(corner)) for corner in line[[0, -1]])
+    faces are cut; None without a chain."""
+    line, length, near = features.lines[number], float(features.lengths[number]), net.free_near(number)
+    begin, closed, on_boundary = 0.0, features.closed[number], features.on_boundary[number]
+    first, last = (at_corner.get(corner) for corner in line[[0, -1]].tolist())
     if closed:
-        first = last = int(np.where(on_rim == features.on_boundary[number], apart, np.inf).argmin())
-        begin, ways = ways[first], (ways - ways[first]) % length
-    if first is None or last is None or (closed and apart[first] > LINE_REACH * side):
+        fitting = [vertex for vertex in near if net.on_rim[vertex] == on_boundary]
+        first = last = min(fitting, key=lambda vertex: near[vertex][1], default=None)
+        if first is None or near[first][1] > LINE_REACH * side:
+            return None
+        begin = near[first][0]
+        near = {vertex: ((way - begin) % length, apart) for vertex, (way, apart) in near.items()}
+    if first is None or last is None:
         return None
-    shortest = side if features.on_boundary[number] else 0.0
-    found = _path(quads, edges, ways, apart, side, (first, last), length, shortest)
+    found = _path(net, near, (first, last), length, side, on_boundary)
     if found is None:
         return None
     path, cuts = found
-    steps = np.linalg.norm(np.diff(quads.vertices[path], axis=0), axis=1)
+    steps = np.array([net.step(*ends) for ends in pairwise(path)])
     if not length / LENGTH_RATIO < steps.sum() < length * LENGTH_RATIO or (closed and len(steps) < 3):
         return None
-    inner = _spread_evenly(ways[path[1:-1]], length, steps)
-    return (path[:-1], (begin + np.append(0, inner)) % length, cuts) if closed else (path[1:-1], inner, cuts)
+    inner = _spread_evenly(np.array([near[vertex][0] for vertex in path[1:-1]]), length, steps)
+    if closed:
+        return np.array(path[:-1]), (begin + np.append(0, inner)) % length, cuts
+    return np.array(path[1:-1], int), inner, cuts
 
 
 def _spread_evenly(ways: np.ndarray, span: float, steps: np.ndarray) -> np.ndarray:
@@ -278,52 +216,64 @@ def _spread_evenly(ways: np.ndarray, span: float, steps: np.ndarray) -> np.ndarr
 
 
 def _path(
-    quads: QuadMesh,
-    edges: tuple[np.ndarray, np.ndarray],
-    ways: np.ndarray,
-    apart: np.ndarray,
-    side: float,
+    net: EdgeNet,
+    near: dict[int, tuple[float, float]],
     ends: tuple[int, int],
     length: float,
-    shortest: float,
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """(k,) vertices from one end of a line to the other along edges near it, and (c, 2) steps along diagonals; or None.
+    side: float,
+    on_boundary: bool,
+) -> tuple[list[int], np.ndarray] | None:
+    """The vertices from one end of a line to the other along edges near it, and (c, 2) steps along diagonals; or None.
 
-    The ends may be the same vertex or neighbours, so they get nodes of their own. An edge is usable if it leads about
-    as far along the line as it is long.
+    The shortest path by Dijkstra's algorithm. The ends may be the same vertex or neighbours, so they get numbers of
+    their own. An edge is usable if it leads about as far along the line as it is long.
 
     Parameters
     ----------
-    edges : (e, 2) usable edges, and (d, 2) diagonals
-    ways, apart : (n,) positions of the vertices along the line, and distances from it
-    side : length of a quad's side
+    near : positions along the line, and distances from it, of the vertices that may be on it
     ends : the vertices at the line's ends
     length : of the line
+    side : length of a quad's side
     """
-    count = len(quads.vertices)
-    names = np.append(np.arange(count), ends)
-    apart = apart / side
-    apart[list(ends)] = np.inf
-    ways, apart = np.append(ways, [0, length]), np.append(apart, [0, 0])
-    close = np.isfinite(apart)
-    close[list(ends)] = True
-    parts, costs = [_with_ends(part[close[part].all(axis=1)], ends, count) for part in edges], []
-    for part, more in zip(parts, (0.0, CUTTING * side), strict=True):
-        steps = np.linalg.norm(np.diff(quads.vertices[names[part]], axis=1)[:, 0], axis=1)
-        onwards = np.abs(np.diff(ways[part], axis=1)[:, 0]) < LENGTH_RATIO * np.maximum(steps, shortest)
-        usable = onwards & (apart[part] < LINE_REACH).all(axis=1)
-        away = np.where(usable, (apart[part] ** 2).mean(axis=1), 0)
-        costs.append(np.where(usable, steps * (1 + DISTANCE_COST * away) + more + 1e-9 * side, np.inf))
-    passages, lengths = np.concatenate(parts), np.concatenate(costs)
-    taken = np.isfinite(lengths)
-    nodes, ends_of = np.unique(np.append(passages[taken], [count, count + 1]), return_inverse=True)
-    graph = coo_matrix((lengths[taken], ends_of[:-2].reshape(-1, 2).T), shape=(len(nodes), len(nodes)))
-    _, before = dijkstra(graph, directed=False, indices=len(nodes) - 2, return_predecessors=True)
-    path = names[nodes[_way_to(len(nodes) - 1, before)]]
-    if path[0] != names[count]:
+    begin, end = -1, -2
+    names = {begin: ends[0], end: ends[1]}
+    positions = {vertex: (way, apart / side) for vertex, (way, apart) in near.items() if apart < LINE_REACH * side}
+    for vertex in ends:
+        positions.pop(vertex, None)
+    positions |= {begin: (0.0, 0.0), end: (length, 0.0)}
+    kinds = [(net.passages[0], 0.0)] if on_boundary else [(net.passages[1], 0.0), (net.passages[2], CUTTING * side)]
+    shortest = side if on_boundary else 0.0
+    costs, before, waiting, done = {begin: 0.0}, dict[int, tuple[int, bool]](), [(0.0, begin)], set[int]()
+    while waiting:
+        cost, node = heappop(waiting)
+        if node == end:
+            break
+        if node in done:
+            continue
+        done.add(node)
+        vertex, (way, apart) = names.get(node, node), positions[node]
+        for passages, more in kinds:
+            for name in passages.get(vertex, ()):
+                other = end if name == ends[1] else name
+                if other not in positions:
+                    continue
+                onwards, away = positions[other]
+                step = net.step(vertex, name)
+                if abs(onwards - way) >= LENGTH_RATIO * max(step, shortest):
+                    continue
+                total = cost + step * (1 + DISTANCE_COST * (apart**2 + away**2) / 2) + more + 1e-9 * side
+                if total < costs.get(other, np.inf):
+                    costs[other], before[other] = total, (node, more > 0)
+                    heappush(waiting, (total, other))
+    if end not in before:
         return None
-    steps = np.sort(np.column_stack([path[:-1], path[1:]]), axis=1)
-    return path, steps[np.isin(steps @ [count, 1], edges[1] @ [count, 1])]
+    path, cuts = [ends[1]], list[tuple[int, int]]()
+    node = end
+    while node != begin:
+        node, is_cut = before[node]
+        path.append(names.get(node, node))
+        cuts += [(path[-1], path[-2])] if is_cut else []
+    return path[::-1], np.array(cuts[::-1], int).reshape(-1, 2)
 
 
 def _way_to(end: int, before: np.ndarray) -> list[int]:
@@ -335,31 +285,26 @@ def _way_to(end: int, before: np.ndarray) -> list[int]:
 
 
 def _parts(
-    quads: QuadMesh,
-    features: FeatureLines,
-    number: int,
-    side: float,
-    edges: np.ndarray,
-    at_corner: dict[int, int],
-    ways: np.ndarray,
-    apart: np.ndarray,
+    net: EdgeNet, features: FeatureLines, number: int, side: float, at_corner: dict[int, int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
     """The parts of a line on which edges lie: vertices that are not at its corners, their positions along the line, and
-    the length of the part.
-
-    ``ways`` and ``apart`` are (n,) positions of the vertices along the line, and distances from it, infinite for those
-    that may not lie on it; other arguments as of :func:`_chain`.
-    """
-    line, length = features.lines[number], features.lengths[number]
+    the length of the part."""
+    line, length = features.lines[number], float(features.lengths[number])
     is_loop = line[0] == line[-1]
-    ways, apart = ways.copy(), apart.copy()
-    at_ends = [] if features.closed[number] else [at_corner.get(int(corner), -1) for corner in line[[0, -1]]]
-    for vertex, way in zip(at_ends, (0.0, length), strict=False):
+    close = {vertex: way for vertex, (way, apart) in net.free_near(number).items() if apart < PART_REACH * side}
+    at_ends = [] if features.closed[number] else [at_corner.get(corner, -1) for corner in line[[0, -1]].tolist()]
+    for vertex, end in zip(at_ends, (0.0, length), strict=False):
         if vertex >= 0:
-            apart[(np.abs(ways - way) < SMALLEST_GAP * side) & (np.arange(len(ways)) != vertex)] = np.inf
-            ways[vertex], apart[vertex] = way, 0.0
-    edges = edges[(apart[edges] < PART_REACH * side).all(axis=1)]
-    steps = np.linalg.norm(np.diff(quads.vertices[edges], axis=1)[:, 0], axis=1)
+            close = {other: way for other, way in close.items() if abs(way - end) >= SMALLEST_GAP * side} | {
+                vertex: end
+            }
+    passages = net.passages[0 if features.on_boundary[number] else 1]
+    pairs = [(i, j) for i in close for j in passages.get(i, ()) if i < j and j in close]
+    if not pairs:
+        return
+    edges, ways, places = np.array(sorted(pairs)), np.full(len(net.places), np.nan), np.array(net.places)
+    ways[list(close)] = list(close.values())
+    steps = np.linalg.norm(places[edges[:, 1]] - places[edges[:, 0]], axis=1)
     onwards = np.diff(ways[edges], axis=1)[:, 0]
     if is_loop:
         onwards = (onwards + length / 2) % length - length / 2
@@ -379,12 +324,3 @@ def _parts(
             free[path] = False
             inner = nodes[path[~np.isin(nodes[path], at_ends)]]
             yield inner, ways[inner], float(reached[row].max())
-
-
-def _with_ends(edges: np.ndarray, ends: tuple[int, int], count: int) -> np.ndarray:
-    """Edges, and copies in which the nodes ``count`` and ``count + 1`` replace the ends of the line."""
-    first = np.where(edges == ends[0], count, edges)
-    last, both = (np.where(part == ends[1], count + 1, part) for part in (edges, first))
-    at_first, at_last = ((part != edges).any(axis=1) for part in (first, last))
-    at_both = at_first & at_last & (both != first).any(axis=1)
-    return np.concatenate([edges, first[at_first], last[at_last], both[at_both]])

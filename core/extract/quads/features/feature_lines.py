@@ -77,6 +77,8 @@ class FeatureLines:
         """(p,) positions along a line, or (p,) lines, that are nearest to (p, 3) points, and (p,) distances from it."""
         numbers = np.broadcast_to(numbers, len(points))
         pairs = np.cumsum(np.diff(self._starts)[numbers])
+        if len(pairs) == 0 or pairs[-1] <= PAIRS:
+            return self._nearest(numbers, points)
         parts = np.split(np.arange(len(points)), np.flatnonzero(np.diff(pairs // PAIRS)) + 1)
         ways, apart = zip(*(self._nearest(numbers[part], points[part]) for part in parts), strict=True)
         return np.concatenate(ways), np.concatenate(apart)
@@ -92,7 +94,7 @@ class FeatureLines:
         apart = np.linalg.norm(offsets - shares[:, None] * along, axis=1)
         least = np.minimum.reduceat(apart, np.cumsum(counts) - counts) if len(rows) else apart
         best = np.flatnonzero(apart == least[rows])
-        best = best[np.diff(rows[best], prepend=-1) > 0]
+        best = best[np.append(True, rows[best[1:]] != rows[best[:-1]])[: len(best)]]
         return begins[steps[best]] + shares[best] * lengths[steps[best]], least
 
     def at(self, numbers: int | np.ndarray, ways: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

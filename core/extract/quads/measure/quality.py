@@ -37,10 +37,14 @@ def quality(quads: QuadMesh) -> dict[str, float]:
 
 def corner_angles(quads: QuadMesh) -> np.ndarray:
     """(c,) degrees inside the faces, up to 360, seen along the normal of each whole face."""
-    ahead, behind = _sides(quads)
-    across = np.linalg.norm(cross(ahead, behind), axis=1)
-    angles = np.degrees(np.arctan2(across, np.einsum("ij,ij->i", ahead, behind)))
-    return np.where(_looks_away(quads), 360 - angles, angles)
+    here = quads.vertices[quads.corner_vertices]
+    ahead, behind = here[quads.next_corners] - here, here[quads.previous_corners] - here
+    normals = cross(ahead, behind)
+    lengths = np.sqrt(np.einsum("cx,cx->c", normals, normals))
+    angles = np.degrees(np.arctan2(lengths, np.einsum("cx,cx->c", ahead, behind)))
+    sums = np.add.reduceat(normals, quads.starts)
+    looks_away = np.einsum("cx,cx->c", normals, sums[quads.corner_faces]) < 0
+    return np.where(looks_away, 360 - angles, angles)
 
 
 def worst_deviations(quads: QuadMesh) -> np.ndarray:
@@ -48,23 +52,7 @@ def worst_deviations(quads: QuadMesh) -> np.ndarray:
     return np.maximum.reduceat(np.abs(corner_angles(quads) - 90), quads.starts)
 
 
-def _sides(quads: QuadMesh) -> tuple[np.ndarray, np.ndarray]:
-    """(c, 3) vectors from each corner to the next one, and to the previous one."""
-    corners, following = quads.corner_vertices, quads.next_corners
-    before = np.empty_like(following)
-    before[following] = np.arange(len(following))
-    ahead = quads.vertices[corners[following]] - quads.vertices[corners]
-    return ahead, quads.vertices[corners[before]] - quads.vertices[corners]
-
-
 def _is_folded(quads: QuadMesh) -> np.ndarray:
     """(f,) bool: faces with a corner whose normal is opposed to the face's, straight ones left out."""
     turned = corner_angles(quads) > 180 + STRAIGHT
     return np.bincount(quads.corner_faces[turned], minlength=len(quads.sizes)) > 0
-
-
-def _looks_away(quads: QuadMesh) -> np.ndarray:
-    """(c,) bool: corners whose normal is opposed to their face's."""
-    normals = cross(*_sides(quads))
-    sums = np.add.reduceat(normals, quads.starts)
-    return np.einsum("cx,cx->c", normals, sums[quads.corner_faces]) < 0

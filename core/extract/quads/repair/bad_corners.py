@@ -7,8 +7,8 @@ smoothed, and the best one is taken. Then the same is tried where a face has sev
 leave fewer.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,8 @@ from .reconnections import Patch
 BAD, GOOD = 60.0, 45.0
 # What an irregular vertex costs, and by how much a patch must improve at bad corners, in degrees beyond good corners.
 IRREGULAR, GAIN = 7.0, 10.0
+# Patches that cost more than before by this, in degrees, after fitting are given up: moving vertices lowers few so far.
+HOPE = 10.0
 # Rings of faces around a bad one that are smoothed with it, rounds of smoothing, and steps of descent.
 RINGS, SMOOTHING, STEPS = 2, 5, 12
 # Ways to reconnect faces that are tried: those that leave the most regular vertices.
@@ -120,6 +122,10 @@ class _Part:
     def key(self) -> tuple[int, bytes, bytes]:
         """Equal for equal parts."""
         return self.bad, self.vertices.tobytes(), self.quads.vertices.tobytes()
+
+    def with_faces(self, way: Patch) -> QuadMesh:
+        """The part with its faces reconnected in some way, on all of its vertices."""
+        return replace(self.quads, corner_vertices=way.faces.ravel(), sizes=np.full(len(way.faces), 4))
 
     def ways(self) -> list[Patch]:
         """Ways to reconnect the bad face that change the number of edges at its worst corner as it needs, or collapse
@@ -240,49 +246,71 @@ def _improve(
     before = [worst_deviations(part.quads) for part in parts]
     least = [_cost(offs, part.patch) - gain for offs, part in zip(before, parts, strict=True)]
     found: list[QuadMesh | None] = [None] * len(parts)
-    trials = [(number, way) for number, own in enumerate(ways) for way in own]
-    for (number, way), quads in zip(trials, _smooth([(parts[k], way) for k, way in trials], mesh, chains), strict=True):
-        after = worst_deviations(quads)
-        cost = _cost(after, way)
-        is_good = after.max() <= max(before[number].max(), GOOD) and cost < least[number]
-        if is_good and (gain > 0 or _keeps_shape(parts[number], quads, mesh)):
-            least[number], found[number] = cost, quads
+    trials = [_Trial(k, parts[k], way, parts[k].with_faces(way)) for k, own in enumerate(ways) for way in own]
+    trials = _smooth(trials, chains, lambda quads, moving, own, _: fit_quads(quads, mesh, moving, SMOOTHING, own))
+    hopeful = [trial for trial in trials if trial.cost < least[trial.number] + HOPE]
+
+    def move(quads: QuadMesh, moving: np.ndarray, own: Chains | None, ends: np.ndarray) -> QuadMesh:
+        below, firsts = [trial.part.below for trial in hopeful], np.append(0, ends)
+        near = [faces_near(trial.quads, points) for trial, points in zip(hopeful, below, strict=True)]
+        near = [faces + first for faces, first in zip(near, firsts[:-1], strict=True)]
+        ground = Ground(mesh, np.concatenate(below), quads, np.concatenate(near))
+        return move_worst_corners(quads, mesh, moving, own, ground, STEPS)
+
+    for trial in _smooth(hopeful, chains, move):
+        number, worst = trial.number, worst_deviations(trial.quads).max()
+        is_good = worst <= max(before[number].max(), GOOD) and trial.cost < least[number]
+        if is_good and (gain > 0 or _keeps_shape(trial.part, trial.quads, mesh)):
+            least[number], found[number] = trial.cost, trial.quads
     return found
 
 
-def _smooth(trials: list[tuple[_Part, Patch]], mesh: TriangleMesh, chains: Chains | None) -> list[QuadMesh]:
-    """Parts with other faces, smoothed at once; none depends on another."""
+@dataclass(frozen=True)
+class _Trial:
+    """A part with other faces: the number of the part, the way in which it was reconnected, and the quad mesh."""
+
+    number: int
+    part: _Part
+    way: Patch
+    quads: QuadMesh
+
+    @property
+    def cost(self) -> float:
+        """See :func:`_cost`."""
+        return _cost(worst_deviations(self.quads), self.way)
+
+
+def _smooth(
+    trials: list[_Trial],
+    chains: Chains | None,
+    smooth: Callable[[QuadMesh, np.ndarray, Chains | None, np.ndarray], QuadMesh],
+) -> list[_Trial]:
+    """Trials smoothed at once; none depends on another.
+
+    ``smooth`` gets all of them as one quad mesh, the (n,) bool vertices that move, the chains, and the (t,) ends of the
+    trials' faces.
+    """
     if not trials:
         return []
-    parts, ways = zip(*trials, strict=True)
-    sizes, faces = [len(part.vertices) for part in parts], [len(way.faces) for way in ways]
+    meshes = [trial.quads for trial in trials]
+    sizes, ends = [len(quads.vertices) for quads in meshes], np.cumsum([len(quads.sizes) for quads in meshes])
     starts = np.cumsum(sizes) - sizes
     together = QuadMesh(
-        np.concatenate([part.quads.vertices for part in parts]),
-        np.concatenate([part.quads.triangles for part in parts]),
-        np.concatenate([part.quads.weights for part in parts]),
-        np.concatenate([way.faces.ravel() + start for way, start in zip(ways, starts, strict=True)]),
-        np.full(sum(faces), 4),
+        np.concatenate([quads.vertices for quads in meshes]),
+        np.concatenate([quads.triangles for quads in meshes]),
+        np.concatenate([quads.weights for quads in meshes]),
+        np.concatenate([quads.corner_vertices + start for quads, start in zip(meshes, starts, strict=True)]),
+        np.concatenate([quads.sizes for quads in meshes]),
     )
-    moving = np.concatenate([part.free & (way.valences > 0) for part, way in trials])
-    groups = np.repeat(np.arange(len(parts)), sizes)
-    own = None if chains is None else chains.of_vertices(np.concatenate([part.vertices for part in parts]), groups)
-    together = fit_quads(together, mesh, moving, SMOOTHING, own)
-    near = [
-        faces_near(quads, part.below) + first
-        for quads, part, first in zip(_split(together, sizes, ways), parts, np.cumsum(faces) - faces, strict=True)
-    ]
-    ground = Ground(mesh, np.concatenate([part.below for part in parts]), together, np.concatenate(near))
-    return _split(move_worst_corners(together, mesh, moving, own, ground, STEPS), sizes, ways)
-
-
-def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[QuadMesh]:
-    """Parts that were put together, with these numbers of vertices and these faces."""
-    ends = np.cumsum(sizes)[:-1]
-    arrays = (np.split(values, ends) for values in (together.vertices, together.triangles, together.weights))
+    moving = np.concatenate([trial.part.free & (trial.way.valences > 0) for trial in trials])
+    groups, vertices = np.repeat(np.arange(len(trials)), sizes), [trial.part.vertices for trial in trials]
+    own = None if chains is None else chains.of_vertices(np.concatenate(vertices), groups)
+    together = smooth(together, moving, own, ends)
     return [
-        QuadMesh(places, triangles, weights, way.faces.ravel(), np.full(len(way.faces), 4))
-        for places, triangles, weights, way in zip(*arrays, ways, strict=True)
+        replace(
+            trial, quads=trial.quads.moved(slice(None), *(values[start : start + size] for values in together.places))
+        )
+        for trial, start, size in zip(trials, starts, sizes, strict=True)
     ]
 
 

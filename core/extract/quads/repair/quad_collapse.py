@@ -10,7 +10,6 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ..features.chains import move_vertices
 from ..trace.quad_mesh import QuadMesh
 from .reconnections import FEWEST, FEWEST_ON_RIM
 
@@ -52,7 +51,7 @@ def collapse_quads(
     which = np.flatnonzero(moved)
     normals = mesh.face_normals[quads.triangles[which]]
     places, triangles = mesh.finder.nearest_facing(vertices[which], normals)
-    quads = move_vertices(quads, which, places, triangles, barycentric(mesh, triangles, places))
+    quads = quads.moved(which, places, triangles, barycentric(mesh, triangles, places))
     return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 
 

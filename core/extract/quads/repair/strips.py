@@ -14,7 +14,7 @@ import numpy as np
 
 from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
-from ..features.chains import Chains, move_vertices
+from ..features.chains import Chains
 from ..measure.loops import quad_loops, twins
 from ..trace.quad_mesh import QuadMesh
 from .all_quads import with_vertices
@@ -203,6 +203,6 @@ class _Strips:
         equal = kept[ranks[:, 0] == ranks[:, 1]]
         middles = quads.vertices[rungs[ranks[:, 0] == ranks[:, 1]]].mean(axis=1)
         places, triangles = mesh.finder.nearest_facing(middles, mesh.face_normals[quads.triangles[equal]])
-        quads = move_vertices(quads, equal, places, triangles, barycentric(mesh, triangles, places))
+        quads = quads.moved(equal, places, triangles, barycentric(mesh, triangles, places))
         stays = self._others(number)
         return quads.with_faces(names[quads.corner_vertices[stays[quads.corner_faces]]], quads.sizes[stays])

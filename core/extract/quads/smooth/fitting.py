@@ -12,7 +12,7 @@ from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
 from ....graphs import components, sum_by
 from ....unit_vectors import cross, unit_vectors
-from ..features.chains import SMALLEST_GAP, Chains, move_vertices
+from ..features.chains import SMALLEST_GAP, Chains
 from ..measure.quality import corner_angles, worst_deviations
 from ..trace.quad_mesh import QuadMesh
 
@@ -44,7 +44,7 @@ def fit_quads(
         before, quads = quads, project_vertices(quads, mesh, lines, chains, movable, moved[movable])
         met = np.intersect1d(movable, quads.edges_without_length)
         if len(met):  # the nearest point of the surface to both is a corner: they stay where they were
-            quads = move_vertices(quads, met, before.vertices[met], before.triangles[met], before.weights[met])
+            quads = quads.moved(met, before.vertices[met], before.triangles[met], before.weights[met])
     return quads
 
 
@@ -62,7 +62,7 @@ def keep_better(fitted: QuadMesh, before: QuadMesh) -> QuadMesh:
 
     (off, shortest), (off_before, shortest_before) = measures(fitted), measures(before)
     which = np.flatnonzero(((off > off_before) & (shortest < shortest_before))[labels])
-    return move_vertices(fitted, which, before.vertices[which], before.triangles[which], before.weights[which])
+    return fitted.moved(which, before.vertices[which], before.triangles[which], before.weights[which])
 
 
 def part_vertices(quads: QuadMesh, mesh: TriangleMesh, kept: np.ndarray) -> QuadMesh:
@@ -102,12 +102,12 @@ def project_vertices(
     loose = lines[which] < 0
     normals = mesh.face_normals[quads.triangles[which]]
     ends, triangles = mesh.finder.nearest_facing(places[loose], normals[loose], nearby=True)
-    quads = move_vertices(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
+    quads = quads.moved(which[loose], ends, triangles, barycentric(mesh, triangles, ends))
     if chains is None or loose.all():
         return quads
     sliding = which[~loose]
     ways = _slide_along(quads, chains, sliding, places[~loose])
-    return move_vertices(quads, sliding, *chains.features.at(lines[sliding], ways))
+    return quads.moved(sliding, *chains.features.at(lines[sliding], ways))
 
 
 def _slide_along(quads: QuadMesh, chains: Chains, which: np.ndarray, places: np.ndarray) -> np.ndarray:

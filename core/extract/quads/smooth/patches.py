@@ -14,7 +14,7 @@ from ....geometry import TriangleMesh
 from ....geometry.nearest import nearest_in_triangles
 from ....graphs import components
 from ....unit_vectors import cross
-from ..features.chains import Chains, move_vertices
+from ..features.chains import Chains
 from ..measure.quality import STRAIGHT
 from ..trace.quad_mesh import QuadMesh
 from .fitting import project_vertices
@@ -251,8 +251,10 @@ class Patches:
             tried = project_vertices(quads, self.ground.mesh, lines, chains, self.moving, places)
             better = are_better(tried.vertices, waiting)
             which = self.moving[better[self.of_moving]]
-            quads = move_vertices(quads, which, tried.vertices[which], tried.triangles[which], tried.weights[which])
+            quads = quads.moved(which, tried.vertices[which], tried.triangles[which], tried.weights[which])
             waiting &= ~better
+            if not waiting.any():
+                break
         return quads, ~waiting
 
     def norms(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -292,6 +294,8 @@ class Patches:
 
     def stay_near(self, vertices: np.ndarray, wanted: np.ndarray, near: float) -> np.ndarray:
         """(p,) bool: the wanted patches that stay as near to the surface, or nearer than a part of their mean edge."""
+        if not wanted.any():
+            return wanted
         away = self.ground.distances(self, vertices, wanted, self.below, near)
         far = wanted & (away > near * self.sides)
         if not far.any():

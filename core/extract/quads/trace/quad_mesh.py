@@ -2,7 +2,8 @@
 """A quad mesh from a quad pattern: vertices where grid lines cross, faces between them (paper, Section 3.5)."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +19,11 @@ from .relocate_disclinations import relocate_disclinations
 SHORTEST = 1e-4
 # Corners of the face of a round component.
 _CORNERS = 4
+# Properties of a quad mesh that do not depend on where its vertices are.
+_OF_FACES = (
+    *("starts", "corner_faces", "next_corners", "previous_corners"),
+    *("half_edges", "edges", "on_rim", "is_irregular"),
+)
 
 
 @dataclass(frozen=True)
@@ -38,31 +44,34 @@ class QuadMesh:
     corner_vertices: np.ndarray
     sizes: np.ndarray
 
-    @property
+    def __getstate__(self) -> dict[str, object]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
     def starts(self) -> np.ndarray:
         """(f,) first corner of each face."""
         return np.cumsum(self.sizes) - self.sizes
 
-    @property
+    @cached_property
     def corner_faces(self) -> np.ndarray:
         """(c,) face of each corner."""
         return np.repeat(np.arange(len(self.sizes)), self.sizes)
 
-    @property
+    @cached_property
     def next_corners(self) -> np.ndarray:
         """(c,) next corner of the face."""
         following = np.arange(1, len(self.corner_vertices) + 1)
         following[self.starts + self.sizes - 1] = self.starts
         return following
 
-    @property
+    @cached_property
     def previous_corners(self) -> np.ndarray:
         """(c,) previous corner of the face."""
         before = np.empty_like(self.next_corners)
         before[self.next_corners] = np.arange(len(before))
         return before
 
-    @property
+    @cached_property
     def half_edges(self) -> np.ndarray:
         """(c, 2) vertices from each corner to the next."""
         return np.column_stack([self.corner_vertices, self.corner_vertices[self.next_corners]])
@@ -78,7 +87,7 @@ class QuadMesh:
         result[self.corner_faces[repeats(corners) | repeats(self.half_edges)]] = True
         return result
 
-    @property
+    @cached_property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(e, 2) vertices, the lower first, and (e,) number of faces at each."""
         count = len(self.vertices)
@@ -103,7 +112,7 @@ class QuadMesh:
         medians = ordered[(np.cumsum(counts) - counts + counts // 2).clip(max=len(lengths) - 1)]
         return np.unique(np.sort(ends[lengths < SHORTEST * medians[labels]], axis=1), axis=0)
 
-    @property
+    @cached_property
     def on_rim(self) -> np.ndarray:
         """(n,) bool: vertices of edges with one face."""
         edges, counts = self.edges
@@ -115,7 +124,7 @@ class QuadMesh:
         """(f, 3) mean of each face's corners, with the vertices at (n, 3) places."""
         return np.add.reduceat(vertices[self.corner_vertices], self.starts) / self.sizes[:, None]
 
-    @property
+    @cached_property
     def is_irregular(self) -> np.ndarray:
         """(n,) bool: interior vertices with other than four edges."""
         edges, counts = self.edges
@@ -127,6 +136,23 @@ class QuadMesh:
     def euler_characteristic(self) -> int:
         """V - E + F of all components together."""
         return len(self.vertices) - len(self.edges[0]) + len(self.sizes)
+
+    @property
+    def places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Where the vertices are: :attr:`vertices`, :attr:`triangles` and :attr:`weights`."""
+        return self.vertices, self.triangles, self.weights
+
+    def moved(
+        self, which: np.ndarray | slice, places: np.ndarray, triangles: np.ndarray, weights: np.ndarray
+    ) -> "QuadMesh":
+        """The quad mesh with some vertices moved on the surface."""
+        values = self.vertices.copy(), self.triangles.copy(), self.weights.copy()
+        for array, new in zip(values, (places, triangles, weights), strict=True):
+            array[which] = new
+        result = QuadMesh(*values, self.corner_vertices, self.sizes)
+        # What follows from the faces alone stays.
+        result.__dict__.update({name: self.__dict__[name] for name in _OF_FACES if name in self.__dict__})
+        return result
 
     def only(self, kept: np.ndarray) -> "QuadMesh":
         """The quad mesh with some of its faces, (f,) bool, and without vertices that none of them uses."""
