@@ -21,6 +21,7 @@ from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
 from .face_counts import FAR, SPOILT, SpacingFactor, Trial, best_count, choose, face_count, mean_angle, misses
+from .narrow_tunnels import on_surface, without_tunnels
 from .quad_drafts import (
     FEW,
     Draft,
@@ -59,12 +60,17 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
 
     A bad mesh, and one that does not follow its boundaries and sharp edges, is solved again (:func:`_solve_again`).
+    Tunnels that are narrower than the quads are closed before.
     """
     tried: dict[int, float] = {}
-    found, lost = _solve(request, progress, tried)
+    closed = without_tunnels(request)
+    solved = request if closed is None else closed[0]
+    found, lost = _solve(solved, progress, tried)
     faults: tuple[str, ...] = ()
     if lost.share > LOST or _is_bad(found, request.settings.faces):
-        found, lost, faults = _solve_again(request, found, lost, portion(progress, 1 - _AGAIN, _AGAIN), tried)
+        found, lost, faults = _solve_again(solved, found, lost, portion(progress, 1 - _AGAIN, _AGAIN), tried)
+    if closed is not None:
+        found = on_surface(found, request, closed[1])
     assert found.quads is not None
     return replace(
         found,

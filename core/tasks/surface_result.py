@@ -7,6 +7,7 @@ from typing import Self
 
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields import DirectionField, Pattern
+from ..geometry.mesh_input import MeshInput
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class SurfaceResult:
     seconds : times of parts of the work other than solves, by name
     settled : settings, by name, that replaced the wanted ones
     loops_before : figures of the loops before more of them were closed (:attr:`QuadLoops.figures`)
+    given : the mesh of field and pattern, if it is the request's without narrow holes; None for the request's
     """
 
     field: DirectionField
@@ -31,6 +33,7 @@ class SurfaceResult:
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
     settled: dict[str, float | None] = dataclasses.field(default_factory=dict)
     loops_before: dict[str, float] | None = None
+    given: MeshInput | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 """What is read from a scene for a request on a surface: a mesh, and what settings name on it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..errors import AsymmetryError, SettingError
 from ..fields import Guide, Row
 from ..fields.mirror import Mirror
+from ..geometry import TriangleMesh
 from ..geometry.mesh_input import MeshInput
 from ..geometry.mirror import mirrored_vertices
 from ..settings.surface import SurfaceSettings
@@ -31,7 +33,8 @@ class PendingGuide:
     label : its name in errors
     compute : can be pickled
     share : factor of its weights
-    has_detail : whether ``compute`` takes ``detail``, the length over which the surface is smoothed
+    has_detail : whether ``compute`` takes ``detail``, the length over which the surface is smoothed; such a guide is
+        the partial function of a mesh, and depends on nothing else
     """
 
     label: str
@@ -45,6 +48,11 @@ class PendingGuide:
             return self.compute(detail=detail) if self.has_detail else self.compute(), self.share
         except SettingError as error:
             raise SettingError(f"{self.label}: {error}") from None
+
+    def on(self, mesh: TriangleMesh) -> "PendingGuide":
+        """The guide on another mesh, if it has ``detail``."""
+        assert isinstance(self.compute, partial)
+        return replace(self, compute=partial(self.compute.func, mesh, *self.compute.args[1:], **self.compute.keywords))
 
 
 @dataclass(frozen=True)

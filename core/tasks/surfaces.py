@@ -142,6 +142,12 @@ class SurfaceRequest:
         rows = _feature_rows(self.given, self.settings, sides, self.source.sharp, is_uncrowded=True)
         return replace(self, rows=self.source.rows + rows)
 
+    def on_source(self, source: SurfaceSource, spacings: float | np.ndarray) -> "SurfaceRequest":
+        """The request with the same settings on another mesh, with its sharp edges as constraints."""
+        sides = smallest_sides(source.given.mesh, spacings)
+        rows = _feature_rows(source.given, self.settings, sides, source.sharp)
+        return replace(self, source=source, spacings=spacings, rows=source.rows + rows)
+
     def on_mesh(self, given: MeshInput) -> "SurfaceRequest":
         """The request on the same mesh in another object, or with other polygons."""
         return replace(self, source=replace(self.source, given=given))

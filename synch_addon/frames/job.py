@@ -177,7 +177,7 @@ class AnimationJob:
         with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, self._base):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
-            defects = write.reported_defects(obj, request, first.field, first.pattern)
+            defects = write.reported_defects(obj, request.given, first.field, first.pattern)
             with self._report.clock("write"):
                 self._write(obj, result.frames, request.spacing)
         report = self._report.finish(first.field, first.pattern, defects)

@@ -173,7 +173,7 @@ def write_quads(obj, request, result, report, selection, surface, bending, repla
     """Make the quad mesh's object, or give ``replaced`` its faces, with what the object ``surface`` carries that was
     solved on, and the modifiers that bend it, too; returns the report."""
     with report.clock("write"):
-        defects = write.reported_defects(obj, request, result.field, result.pattern)
+        defects = write.reported_defects(obj, result.given or request.given, result.field, result.pattern)
         report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface, bending, replaced)
         if result.loops_before is not None:
             report.quad_mesh["loops_before"] = result.loops_before

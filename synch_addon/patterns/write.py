@@ -73,9 +73,9 @@ def clear(obj):
         at_the_end(obj.synch.favourites.clear)
 
 
-def reported_defects(obj, request, field, pattern):
-    """The defects of a solved pattern for the report, without writing anything."""
-    return [_plain(obj, d) for d in _defects(request.given, field, pattern, request.given.polygons)]
+def reported_defects(obj, given, field, pattern):
+    """The defects of a solved pattern on a MeshInput for the report, without writing anything."""
+    return [_plain(obj, d) for d in _defects(given, field, pattern, given.polygons)]
 
 
 def _defects(given, field, pattern, polygons):
