@@ -241,8 +241,8 @@ def _chain(
     """Vertices along one line without its corners, their positions along it, and the pairs of vertices between which
     faces are cut; None without a chain.
 
-    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut; ``near`` are (k,) vertices
-    that may lie on the line.
+    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut; ``nearest`` are (n,) positions
+    of the vertices along the line, and distances from it, infinite for those that may not lie on it.
     """
     line, length = features.lines[number], features.lengths[number]
     ways, apart = nearest
