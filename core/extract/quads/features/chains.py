@@ -289,7 +289,7 @@ def _path(
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """(k,) vertices from one end of a line to the other along edges near it, and (c, 2) steps along diagonals; or None.
 
-    The ends may be the same vertex or neighbours, so they get nodes of their own. An edge is usable if it leads about
+    The ends may be the same vertex or neighbours, so separate nodes stand for them. An edge is usable if it leads about
     as far along the line as it is long.
 
     Parameters
