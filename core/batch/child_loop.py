@@ -17,7 +17,7 @@ _TASKS = 1000
 # Set by Dask for its workers; larger arrays would be freed and allocated again each time, which doubles solve times.
 _NOT_FOR_SOLVES = "MALLOC_TRIM_THRESHOLD_"
 # Seconds for a process to end after its pipe has broken, and to clean up when it is dismissed.
-_FAREWELL, _CLEANING = 10, 2
+_ENDING, _CLEANING = 10, 2
 
 # Plain values by name.
 Task = dict[str, Any]
@@ -39,7 +39,7 @@ def serve(answer: Callable[[Task], Answer], leave: Callable[[int], object] = os.
             send(out, answer(task))
 
 
-class Hand:
+class WarmProcess:
     """A warm process, started by a command when it is first needed; each solve may use ``threads`` threads."""
 
     def __init__(self, command: Sequence[str], threads: int) -> None:
@@ -132,7 +132,7 @@ def _end(child: _Child | None) -> None:
 
 def _describe_end(child: _Child) -> str:
     try:
-        status = child.wait(_FAREWELL)
+        status = child.wait(_ENDING)
     except subprocess.TimeoutExpired:
         return "its process has closed its pipe"
     if status >= 0:
@@ -150,8 +150,8 @@ class ProcessPool:
         self.capacity = 2 * count
         self._tasks: queue.SimpleQueue[Task | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[tuple[Task, Answer]] = queue.SimpleQueue()
-        self._hands = [Hand(command, threads) for _ in range(count)]
-        self._threads = [start_thread(self._work, hand, is_daemon=False) for hand in self._hands]
+        self._processes = [WarmProcess(command, threads) for _ in range(count)]
+        self._threads = [start_thread(self._work, process, is_daemon=False) for process in self._processes]
 
     def start(self, task: Task) -> None:
         self._tasks.put(task)
@@ -165,14 +165,14 @@ class ProcessPool:
 
     def end(self) -> None:
         """End all processes at once."""
-        for hand in self._hands:
-            hand.dismiss()
-        for hand in self._hands:
+        for process in self._processes:
+            process.dismiss()
+        for process in self._processes:
             self._tasks.put(None)
-            hand.end()
+            process.end()
         for thread in self._threads:
             thread.join()
 
-    def _work(self, hand: Hand) -> None:
+    def _work(self, process: WarmProcess) -> None:
         while (task := self._tasks.get()) is not None:
-            self._answers.put((task, hand.ask(task)))
+            self._answers.put((task, process.ask(task)))

@@ -121,11 +121,11 @@ def _ranges(row: dict[str, Any]) -> list[dict[str, Any]]:
     for first in range(frames[0], frames[1] + 1, chunk):
         last = min(first + chunk - 1, frames[1])
         names = {"{first}": f"{first:04d}", "{last}": f"{last:04d}"}
-        parts.append({key: _fill_defaults(value, names) for key, value in row.items()} | {"frames": [first, last]})
+        parts.append({key: _fill_names(value, names) for key, value in row.items()} | {"frames": [first, last]})
     return parts
 
 
-def _fill_defaults(value: Any, names: dict[str, str]) -> Any:
+def _fill_names(value: Any, names: dict[str, str]) -> Any:
     if isinstance(value, str):
         for name, text in names.items():
             value = value.replace(name, text)
@@ -143,7 +143,7 @@ def _arguments(row: dict[str, Any]) -> list[str]:
         values = value if isinstance(value, list) else [value]
         if any(isinstance(item, dict | list) for item in values):
             raise SettingError(f"{key} is {quote_value(value)}: write a text, a number, true, or a list of these")
-        texts = [_fill_defaults(str(item), {"{stem}": stem}) for item in values if item is not True]
+        texts = [_fill_names(str(item), {"{stem}": stem}) for item in values if item is not True]
         given += [f"{flag}={texts[0]}"] if len(texts) == 1 else [flag, *texts]
     named = [str(row[_INPUT])] if row.get(_INPUT) else []
     return [row[_COMMAND], *named, *given]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .cluster import Cluster  # not in the extension
 
 # Seconds between two checks for an interruption.
-_LOOK = 0.2
+_INTERVAL = 0.2
 # Owner of the batch's own files; those of rows have the rows' numbers, from 1 on.
 _BATCH = 0
 
@@ -96,7 +96,7 @@ def _clash(file: DeclaredFile, row: int, other: int, writes: bool) -> SettingErr
 def run_rows(
     rows: Iterable[Planned],
     records: Records,
-    crew: "ProcessPool | Cluster",
+    pool: "ProcessPool | Cluster",
     retries: int,
     versions: object,
     progress: Callable[[str, float], object],
@@ -127,11 +127,11 @@ def run_rows(
     running: dict[str, Planned] = {}
     while waiting or running:
         progress(f"rows ({failed} failed)" if failed else "rows", (made + failed) / total)
-        while waiting and len(running) < crew.capacity:
+        while waiting and len(running) < pool.capacity:
             key, row = waiting.popleft()
             running[key] = row
-            crew.start(_task(row, records, versions) | {"limit": limit})
-        answered = crew.answer(_LOOK)
+            pool.start(_task(row, records, versions) | {"limit": limit})
+        answered = pool.answer(_INTERVAL)
         if answered is None:
             continue
         task, answer = answered

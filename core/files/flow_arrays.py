@@ -184,7 +184,7 @@ def _placed(array: Any, arrays: dict[str, Any], order: list[int], component: int
 
 
 def _own_spacing(arrays: dict[str, Any]) -> np.ndarray | None:
-    """(3,) distances of nodes along x, y and z by a small array of their own, None without one."""
+    """(3,) distances of nodes along x, y and z, if the file has an array of them; otherwise None."""
     found = next((arrays[name] for name in ("spacing", "dx") if name in arrays), None)
     if found is None or math.prod(found.shape) not in (1, 3):
         return None

@@ -132,14 +132,14 @@ def _refuse_faces(mesh: TriangleMesh, faces: np.ndarray) -> None:
     duplicate = np.ones(len(faces), bool)
     duplicate[first] = False
     for bad, what, remedy in (
-        (flat, "no area", "Mesh > Clean Up > Degenerate Dissolve"),
-        (duplicate, "the same corners as another face", "Mesh > Clean Up > Merge by Distance"),
+        (flat, "no area", "use Mesh > Clean Up > Degenerate Dissolve"),
+        (duplicate, "the same corners as another face", "remove what is double with Mesh > Delete > Only Faces"),
     ):
         if bad.any():
             names = np.unique(faces[bad])
             verb = "has" if len(names) == 1 else "have"
             where = _name_piece(mesh, mesh.triangles[bad][0, 0])
-            raise MeshError(f"{name_elements('face', names)} {verb} {what}{where}: use {remedy}")
+            raise MeshError(f"{name_elements('face', names)} {verb} {what}{where}: {remedy}")
 
 
 def _first_rows(rows: np.ndarray, count: int) -> np.ndarray:

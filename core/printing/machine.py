@@ -26,6 +26,8 @@ USUAL = "marlin"
 _OVERRIDDEN = {"G20": "inches", "G91": "relative places", "G93": "inverse time"}
 _EXTRUSION = {"relative": ("M83", {"M82": "absolute extrusion"}), "absolute": ("M82", {"M83": "relative extrusion"})}
 _VOLUMETRIC = "M200"
+# Diameter of a filament of which a millimetre is a cubic millimetre.
+_CUBIC = 1.128379
 
 
 @dataclass(frozen=True)
@@ -148,15 +150,20 @@ class Machine:
         for name in ("nozzle_angle", "largest_tilt"):
             if not 0 <= getattr(self, name) < 90:
                 raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give degrees from 0 to below 90")
-        if re.search(_VOLUMETRIC + r"(?![\d.])(?!\s*D0\b)", re.sub(";.*", "", self.start).upper()):
+        is_volumetric = re.search(_VOLUMETRIC + r"(?![\d.])(?!\s*D0\b)", self._start_code)
+        if is_volumetric and abs(self.filament - _CUBIC) > 1e-3:
             raise SettingError(
-                f"the start text makes extrusion volumetric ({_VOLUMETRIC}): take it out, or write filament = 1.128379"
+                f"the start text makes extrusion volumetric ({_VOLUMETRIC}): take it out, or write filament = {_CUBIC}"
             )
 
     @property
+    def _start_code(self) -> str:
+        """The start text without comments, in capital letters."""
+        return re.sub(r";.*|\([^()\n]*\)", "", self.start).upper()
+
+    @property
     def _start_words(self) -> list[str]:
-        lines = [line.split(";")[0].upper() for line in self.start.splitlines()]
-        return [word for line in lines for word in re.findall(r"[GM]\d+(?![\d.])", line)]
+        return re.findall(r"[GM]\d+(?![\d.])", self._start_code)
 
     @property
     def contradictions(self) -> dict[str, str]:

@@ -75,7 +75,7 @@ def medial_beads(
     at = node[mesh.triangle_edges]
     count = (at >= 0).sum(axis=1)
     two = np.sort(at[count == 2], axis=1)[:, 1:]
-    # Where three lines meet, in the middle of a triangle, each has an end of its own.
+    # Three lines that meet in the middle of a triangle get three separate ends.
     centres = np.repeat(mesh.vertices[mesh.triangles[count == 3]].mean(axis=1), 3, axis=0)
     ends = at[count == 3].ravel()
     pairs = np.concatenate([two, np.column_stack([ends, len(points) + np.arange(len(ends))])])
@@ -165,7 +165,7 @@ def _nearest_on_rim(mesh: TriangleMesh) -> np.ndarray:
 def _along_rims(mesh: TriangleMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(n,) the loop of the rim that a vertex is on, (n,) its way along it, and the length of each loop.
 
-    A vertex on none has a loop of its own, without length.
+    Each vertex that is not on the rim counts as a loop without length.
     """
     halves = np.flatnonzero(mesh.twins < 0)
     tails, heads = mesh.triangles.ravel()[halves], np.roll(mesh.triangles, -1, axis=1).ravel()[halves]

@@ -27,8 +27,8 @@ _BATCH = 4096
 def find_overlaps(
     lines: Isolines, tips: np.ndarray, tools: np.ndarray, widths: np.ndarray, heights: np.ndarray, step: float
 ) -> np.ndarray:
-    """(n,) bool: points without a height or whose tip is inside an earlier bead, and ends of the rest whose tip comes
-    through one on its way along the tool.
+    """(n,) bool: points to leave out: those without a height, those whose tip is inside an earlier bead, and ends of
+    the rest that the tip, which comes along the tool, reaches only through an earlier bead.
 
     Lines, a step apart, are in the order in which they are printed; at their points are the tips and unit vectors from
     these into the tool, (n, 3), and the (n,) widths and heights of the beads.
@@ -62,7 +62,7 @@ def find_overlaps(
             yield point[is_inside], other[is_inside]
 
     result = heights <= 0
-    # A bead that is itself left out fills nothing, and bars no way.
+    # A bead that is left out fills no space and blocks no way.
     for found in pairs(np.arange(len(tips)), tips):
         for point, other in zip(*(one.tolist() for one in found), strict=True):
             result[point] |= not result[other]

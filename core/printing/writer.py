@@ -6,8 +6,8 @@ import numpy as np
 from .kinematics import to_part
 from .machine import Machine
 
-# Beads that are wider or higher than the last comment says by less, as a share, get no comment of their own; and
-# travels pass over what is higher than their ends by less, as a share of the bead's height.
+# A comment with the bead's size is repeated where its width or height has changed by more than this share; travels may
+# pass over beads that are higher than their ends by less than this share of a bead's height.
 _LIKE, _LEVEL = 0.05, 0.05
 # Degrees that the table turns at most between places of a travel whose places are those of the tip on the part.
 _TURN = 5.0

@@ -250,8 +250,8 @@ class FlowRequest:
         self, show: Callable[[FlowResult], object] | None, progress: Callback | None = None
     ) -> FlowResult:
         """:meth:`solve` with intermediate results: filaments on coarse grids, and then those of the whole solve before
-        the map to the sphere; ``show`` is called with each. There are none for tubes alone and for a point of the
-        sphere, which need that map."""
+        the map to the sphere; ``show`` is called with each. Tubes, and filaments seen from a point of the sphere, need
+        that map: they have no intermediate results."""
         settings = self.settings
         grid, integrals, warnings = _run_interruptibly(self._read, "flow", progress)
         is_of_curves = isinstance(self.source, FilamentCurves)

@@ -371,7 +371,7 @@ class SurfaceRequest:
 def _feature_rows(
     given: MeshInput, settings: SurfaceSettings, sides: np.ndarray, sharp: ArrayLike, is_uncrowded: bool = False
 ) -> tuple[Row, ...]:
-    """The row for the boundary and the sharp edges of the uncut mesh, and for mirror planes; none where there are none.
+    """The row for the boundary, the sharp edges of the uncut mesh, and mirror planes; empty without such edges.
 
     Edges between two faces at more than the angle of ``features``, and those in ``sharp``, are sharp, unless the angle
     is 0; ``sides`` are the (n,) lengths of a quad's side at each vertex, a few of which make a feature. Without

@@ -99,13 +99,13 @@ def _run(options, way, shared, progress):
     records = Records(folder)
     records.make_folders()
     if options.scheduler:
-        crew = _cluster(options.scheduler, _SERVE, options.threads)
+        pool = _cluster(options.scheduler, _SERVE, options.threads)
     else:
-        crew = child_loop.ProcessPool(_command(), options.jobs, options.threads)
+        pool = child_loop.ProcessPool(_command(), options.jobs, options.threads)
     try:
-        before, now = run_rows(rows, records, crew, options.retries, versions(), progress, options.limit)
+        before, now = run_rows(rows, records, pool, options.retries, versions(), progress, options.limit)
     finally:
-        crew.end()
+        pool.end()
     lines = [f"{count_text(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]
     if options.share:
         return Made({}, lines, [])

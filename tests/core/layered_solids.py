@@ -70,8 +70,8 @@ def phases_of(mesh, angles):
     return EdgePhases.of(mesh, np.exp(1j * angles)[:, None], asked, np.zeros(len(asked), int))
 
 
-def surfaces_of(pattern, **options):
-    return layer_surfaces(pattern.edge_phases, pattern.heights, **options)
+def surfaces_of(pattern):
+    return layer_surfaces(pattern.edge_phases, pattern.heights)
 
 
 def normals(layers):

@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import depth_first_order
 
 from ...errors import SettingError, round_up
 from ...geometry import TriangleMesh
+from ...geometry.barycentric import barycentric
 from ...graphs import components, ragged_arange
 from ...interpolate import EdgePhases
 from .edge_crossings import MOST, Crossings, Rims, chord_ends, chords_of, crossings_of, on_rim, rims_of
@@ -332,13 +333,13 @@ def _with_straight_ends(lines: Isolines) -> Isolines:
     before = np.clip(entry + _BACK * towards, starts[line], last[line])
     points = lines.points
     ahead, to_centre = points[entry] - points[before], points[at] - points[entry]
-    normals = lines.mesh.face_normals[lines.triangles[at]]
+    triangles = lines.triangles[at]
+    normals = lines.mesh.face_normals[triangles]
     ahead -= np.einsum("ij,ij->i", ahead, normals)[:, None] * normals
     share = np.einsum("ij,ij->i", ahead, to_centre) / np.maximum(np.einsum("ij,ij->i", ahead, ahead), 1e-300)
     end = points[entry] + np.maximum(share, 0)[:, None] * ahead
-    corners = lines.mesh.vertices[lines.mesh.triangles[lines.triangles[at]]]
-    begin = _barycentric(corners, points[entry])
-    end = _inside(_barycentric(corners, end), begin)
+    begin = barycentric(lines.mesh, triangles, points[entry])
+    end = _inside(barycentric(lines.mesh, triangles, end), begin)
     free = ~_is_crossed(lines, np.minimum(at, entry), begin, end)
     weights = lines.weights.copy()
     weights[at[free]] = end[free]
@@ -360,15 +361,6 @@ def _is_crossed(lines: Isolines, pieces: np.ndarray, begin: np.ndarray, end: np.
 def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
     """(k,) bool: places r lie to the left of the segments from p to q, in barycentric coordinates."""
     return (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) > (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
-
-
-def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """(k, 3) coordinates of (k, 3) points in the planes of triangles (k, 3, 3)."""
-    sides = corners[:, 1:] - corners[:, :1]
-    gram = np.einsum("kax,kbx->kab", sides, sides)
-    right = np.einsum("kax,kx->ka", sides, points - corners[:, 0])
-    two = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
-    return np.column_stack([1 - two.sum(axis=1), two])
 
 
 def _inside(weights: np.ndarray, start: np.ndarray) -> np.ndarray:

@@ -81,7 +81,7 @@ def _move_to_edges(moves: "_Moves", crossing: np.ndarray, segments: np.ndarray, 
     for i, j in crossing.tolist():
         others[i].append(j)
         others[j].append(i)
-    for row in np.argsort(distances)[: np.count_nonzero(distances <= reach)]:
+    for row in np.argsort(distances, kind="stable")[: np.count_nonzero(distances <= reach)]:
         if not moves.done[others[ends[row]]].all():
             moves.attempt(ends[row], places[row])
 

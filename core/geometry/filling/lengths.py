@@ -125,13 +125,6 @@ class Lengths(NamedTuple):
                     size = min(size, finer)
         lengths = cls.carried(distance, spacing, size, lowest, divisions)
         finest = lengths.period * lowest
-        if finest < FEWEST_EDGES * lengths.size:
-            finer = float(f"{finest / EDGES_PER_LAYER:.3g}")
-            sizes = [f"a size of {finer:g}"] if finer >= _smallest_size(distance) else []
-            raise SettingError(
-                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give "
-                + ", or ".join([*sizes, *lengths._wider(distance, lengths.size, FEWEST_EDGES, lowest)])
-            )
         if not (np.isfinite(lengths.size) and lengths.size > 0):
             raise SettingError(f"the tetrahedra's size is {lengths.size:g}: give a positive length")
         smallest = _smallest_size(distance)
@@ -144,6 +137,13 @@ class Lengths(NamedTuple):
             raise SettingError(
                 f"a size of {lengths.size:g} makes about {estimate(distance, lengths.size)}: give "
                 + " and ".join(remedies)
+            )
+        if finest < FEWEST_EDGES * lengths.size:
+            finer = float(f"{finest / EDGES_PER_LAYER:.3g}")
+            sizes = [f"a size of {finer:g}"] if finer >= smallest else []
+            raise SettingError(
+                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give "
+                + ", or ".join([*sizes, *lengths._wider(distance, lengths.size, FEWEST_EDGES, lowest)])
             )
         return lengths
 

@@ -89,10 +89,14 @@ def check_closed(mesh: TriangleMesh, source: np.ndarray) -> None:
         i, j = edges[0]
         more = f" and {len(mesh.boundary_edges) - 1} more" if len(mesh.boundary_edges) > 1 else ""
         is_torn = (welded_vertices(mesh.vertices, mesh.triangles) != np.arange(mesh.vertex_count)).any()
-        remedy = "join vertices at the same place" if is_torn else "fill the holes"
+        remedy = (
+            "join vertices at the same place with Mesh > Clean Up > Merge by Distance"
+            if is_torn
+            else "fill the holes with Mesh > Clean Up > Fill Holes (Sides 0)"
+        )
         raise MeshError(
             f"the edge between vertices {i} and {j}{more} has one face only, and a solid needs a closed surface: "
-            f"{remedy} with Mesh > Clean Up > {'Merge by Distance' if is_torn else 'Fill Holes'}",
+            f"{remedy}",
             edges,
         )
 

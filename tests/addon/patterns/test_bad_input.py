@@ -92,7 +92,7 @@ CASES = {
     "empty mesh": (empty_mesh, {}, "the mesh is empty", "add some geometry"),
     "no faces": (no_faces, {}, "the mesh has no faces", "fill"),
     "zero-area face": (flat_face, STRICT, "face 2 has no area", "Degenerate Dissolve"),
-    "duplicate faces": (doubled_face, STRICT, "face 2 has the same corners", "Merge by Distance"),
+    "duplicate faces": (doubled_face, STRICT, "face 2 has the same corners", "Delete > Only Faces"),
     "non-manifold edge": (three_faces_at_an_edge, STRICT, "edge between vertices 0 and 2 has 3 faces", "keep two"),
     "bow-tie vertex": (bow_tie, STRICT, "vertex 2 has faces that touch only at this point", "Split"),
     "flipped face": (flipped_face, STRICT, "faces 0 and 1 at the edge between vertices 0 and 2", "Recalculate Outside"),

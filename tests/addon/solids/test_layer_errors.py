@@ -3,6 +3,7 @@
 """What cannot be filled with layers is refused in one line that names the remedy, and nothing changes."""
 
 import re
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
@@ -28,6 +29,22 @@ def refused(obj, match, **settings):
     return caught.value
 
 
+@contextmanager
+def editing(obj, faces=None):
+    """Edit mode, with some faces selected or everything."""
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_mode(type="FACE")
+    bpy.ops.mesh.select_all(action="SELECT" if faces is None else "DESELECT")
+    if faces is not None:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        for face in faces:
+            obj.data.polygons[face].select = True
+        bpy.ops.object.mode_set(mode="EDIT")
+    yield
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_faces_that_share_no_vertex_enclose_a_solid_and_are_told():
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.active_object.data
@@ -48,6 +65,25 @@ def test_open_meshes_are_refused_with_their_open_edges_selected():
     chosen = attribute(obj, ".select_vert")
     heights = attribute(obj, "position")[:, 2]
     np.testing.assert_array_equal(chosen, (heights == 0) | (heights == 2))
+
+
+def test_the_remedies_for_open_and_double_faces_work():
+    """As the messages name them; Fill Holes leaves holes of more than four sides unless its Sides are 0."""
+    obj = tube(12, 3)
+    refused(obj, r"fill the holes with Mesh > Clean Up > Fill Holes \(Sides 0\)")
+    with editing(obj):
+        bpy.ops.mesh.fill_holes(sides=0)
+    volume = read_surface(obj).distance.volume
+    faces = [*(tuple(face.vertices) for face in obj.data.polygons), tuple(obj.data.polygons[3].vertices)]
+    obj = add_object(places(obj), faces)
+    with pytest.raises(
+        MeshError, match=r"has the same corners as another face: .* Mesh > Delete > Only Faces"
+    ) as caught:
+        read_surface(obj, strict=True)
+    named = int(re.search(r"face (\d+)", str(caught.value))[1])
+    with editing(obj, [named]):
+        bpy.ops.mesh.delete(type="ONLY_FACE")
+    assert read_surface(obj, strict=True).distance.volume == pytest.approx(volume)
 
 
 def test_meshes_that_meet_themselves_are_refused_with_the_faces_selected():

@@ -283,9 +283,12 @@ def test_a_start_text_cannot_change_what_the_moves_mean():
     amounts = [moves.extruded[moves.printing] for moves in (relative, absolute)]
     np.testing.assert_allclose(*amounts, atol=2e-5)
     assert relative.extruded[relative.printing].sum() * np.pi * 1.75**2 / 4 == pytest.approx(20 * 0.5 * 0.2, rel=1e-4)
-    with pytest.raises(SettingError, match=r"volumetric \(M200\)"):
+    with pytest.raises(SettingError, match=r"volumetric \(M200\): take it out, or write filament = 1.128379"):
         Machine(start="M200 D1.75")
     assert not Machine(start="M200 D0\nG91.1").contradictions
+    assert not Machine(start="(M200 D1.75, and G91)\nG28 (in M82) ; M200").contradictions  # comments
+    volumes = read_moves(gcode(made, Machine(start="M200 D1.75", filament=1.128379, tolerance=0)).text)
+    assert volumes.extruded[volumes.printing].sum() == pytest.approx(20 * 0.5 * 0.2, rel=1e-4)
 
 
 def test_no_move_asks_for_more_than_the_largest_flow():

@@ -100,7 +100,7 @@ def _irregular_faces(quads: QuadMesh) -> list[int]:
 
 @dataclass(frozen=True)
 class _Part:
-    """Quads around a bad one as a mesh of their own.
+    """A bad quad and those around it, as a separate mesh.
 
     Attributes
     ----------

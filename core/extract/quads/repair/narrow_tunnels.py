@@ -106,7 +106,7 @@ def _fans(tails: np.ndarray, heads: np.ndarray, joined: np.ndarray) -> np.ndarra
 def _without_crumbs(quads: QuadMesh, before: np.ndarray) -> QuadMesh:
     """The quad mesh without its small parts; of the parts of one piece before, the largest stays.
 
-    ``numbers``: (f,) piece of each face before.
+    ``before``: (f,) piece of each face before the cuts.
     """
     parts = components(len(quads.vertices), quads.half_edges)[quads.corner_vertices[quads.starts]]
     sizes = np.bincount(parts)[parts]

@@ -67,7 +67,7 @@ def _moves(quads: QuadMesh, gaps: np.ndarray, faces: np.ndarray, far: float) -> 
     """(n, 3) moves of vertices to the farthest point, beyond ``far``, that their faces cut off, and of rings around
     these; and (n,) bool: vertices with a move."""
     lengths = np.linalg.norm(gaps, axis=1)
-    order = np.argsort(lengths)
+    order = np.argsort(lengths, kind="stable")
     order = order[lengths[order] > far]
     farthest = np.zeros((len(quads.sizes), 4))
     farthest[faces[order]] = np.column_stack([gaps, lengths])[order]  # the last sample of a face stays, the farthest

@@ -197,9 +197,9 @@ def _inside_parallel_edges(graph: LineGraph, traced: LineGraph, positions: np.nd
         parallel = darts[labels[darts // 2] == label].tolist()
         paths = [follow(int(graph.tails[dart]), float(graph.keys[dart]), int(last[dart])) for dart in parallel]
         along = [np.append(0, np.linalg.norm(np.diff(positions[path], axis=0), axis=1).cumsum()) for path in paths]
-        for number in np.argsort([places[-1] for places in along])[1:]:
+        for number in np.argsort([places[-1] for places in along], kind="stable")[1:]:
             path, between = paths[number][1:-1], along[number][1:-1]
-            inside += path[np.abs(between - along[number][-1] / 2).argsort()[:1]].tolist()
+            inside += path[np.abs(between - along[number][-1] / 2).argsort(kind="stable")[:1]].tolist()
     return inside
 
 

@@ -305,6 +305,30 @@ def test_both_edges_of_a_stripe_meet_where_it_begins(width):
     np.testing.assert_allclose(lines.weights[at], 1 / 3, atol=1e-12)
 
 
+def test_lines_end_in_a_triangle_without_area():
+    """As faces with a vertex on one of their sides have: the third corner of the triangle with the dislocation is moved
+    onto the side between the others."""
+    mesh = square(12)
+    centres = mesh.vertices[mesh.triangles].mean(axis=1)
+    number = np.linalg.norm(centres - (0.52, 0.51, 0), axis=1).argmin()
+    x, y, _ = (mesh.vertices - centres[number]).T
+    periods, (i, j) = 4 * x + 0.064, mesh.edges.T
+    turns = np.arctan2(y, x) / (2 * np.pi)
+    changes = periods[j] - periods[i] + (turns[j] - turns[i] + 0.5) % 1 - 0.5
+    a, b, c = mesh.triangles[number]
+    vertices = mesh.vertices.copy()
+    vertices[c] = (vertices[a] + vertices[b]) / 2
+    values = 2 * np.pi * (periods + turns)[:, None]
+    phases = EdgePhases(
+        TriangleMesh(vertices, mesh.triangles), values, 2 * np.pi * changes[:, None], np.zeros(len(i), int)
+    )
+    lines = isolines(phases)
+    (end,) = np.argwhere(lines.ends == End.DISLOCATION)
+    point = lines.starts[end[0]] + end[1] * (lines.sizes[end[0]] - 1)
+    assert lines.triangles[point] == number and np.isfinite(lines.points).all()
+    assert (lines.weights[point] >= 0).all() and lines.weights[point].sum() == pytest.approx(1)
+
+
 def test_the_middle_of_a_stripe_ends_straight_beside_the_dislocation():
     lines = isolines(solved(sphere, 9))
     points, mesh = lines.points, lines.mesh

@@ -103,6 +103,31 @@ def test_each_length_that_a_refusal_names_is_taken(spacing, size, divisions, nam
         assert estimate(distance, found.size).tets <= MOST_TETS
 
 
+def test_all_remedies_work_for_boxes_of_any_shape():
+    """Sizes, divisions and spacings that refusals name, one after the other, with the size that is named first."""
+    random, tried = np.random.default_rng(2), 0
+    for _ in range(4000):
+        edges = np.sort(10 ** random.uniform(-1.5, 1, 3))[::-1]
+        around = 2 * (edges[0] * edges[1] + edges[1] * edges[2] + edges[0] * edges[2])
+        box = Measures(random.uniform(0.02, 1) * edges.prod(), around, np.array([-edges / 2, edges / 2]), edges)
+        spacing, size = edges[0] * 10 ** random.uniform([-3, -3.2], [0, 0])
+        lowest, divisions = random.uniform(0.2, 1), int(random.integers(1, 6))
+        try:
+            Lengths.of(box, spacing, size, lowest, divisions)
+            continue
+        except SettingError as error:
+            text = str(error).split("give")[1]
+        least = re.findall(r"one from ([0-9.e+-]+) on", text)
+        size = float(least[0]) if least else size
+        ways = [(spacing, float(found), divisions) for found in re.findall(r"a size of ([0-9.e+-]+)(?:,|$)", text)]
+        ways += [(spacing, size, int(found)) for found in re.findall(r"([0-9]+) divisions", text)]
+        ways += [(float(found), size, divisions) for found in re.findall(r"a spacing from ([0-9.e+-]+) on", text)]
+        for way in ways or [(spacing, size, divisions)]:
+            Lengths.of(box, *way[:2], lowest, way[2])
+            tried += 1
+    assert tried > 1000
+
+
 @pytest.mark.parametrize("width", [0.01, 0.002, 0.0005])
 @pytest.mark.parametrize("layers", [0.5, 1, 2])
 def test_layers_of_a_slanting_rod_are_in_longer_periods_where_its_box_has_too_many_cubes(width, layers):
