@@ -101,8 +101,10 @@ def _bodies(made):
 
 
 def _connected(items, neighbours):
-    """Connected components of items, in lists, in an order that depends on that of the items alone; ``neighbours`` gives
-    the items beside one."""
+    """Connected components of items, in lists, whose order depends on that of the items alone.
+
+    ``neighbours`` gives the items beside one.
+    """
     left, components = set(items), []
     for first in items:
         if first not in left:

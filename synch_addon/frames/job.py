@@ -136,6 +136,7 @@ class AnimationJob:
             reason = f"{obj.name} is hidden and does not move: show it in the viewport"
         if reason:
             raise SynchError(reason)
+        bpy.context.view_layer.update()  # a script may have scaled the object just now
         self.link = ObjectLink.to(obj)
         self._span, self._settings = span, settings_for(span.pattern, obj, settings)
         self._report = Report("animate", obj, self._settings)
