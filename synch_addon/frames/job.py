@@ -201,10 +201,10 @@ class AnimationJob:
             place = values[BARYCENTRIC.name]
             # A face's places are the same in all frames in which it is singular, and do not matter in others.
             places = place if places is None else np.where(places.any(axis=1, keepdims=True), places, place)
-            for name in own.keys() & values.keys():
-                attributes.write_attribute(
-                    obj, frame_attributes.frame_name(name, frame.number), *own[name], values[name]
-                )
+            for name in own:
+                if name in values:
+                    of_frame = frame_attributes.frame_name(name, frame.number)
+                    attributes.write_attribute(obj, of_frame, *own[name], values[name])
         directions = first.pop(DIRECTION.name)
         write.pattern_attributes(obj, first | {BARYCENTRIC.name: places})
         attributes.write(obj, DIRECTION, directions)
