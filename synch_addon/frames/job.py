@@ -136,7 +136,8 @@ class AnimationJob:
             reason = f"{obj.name} is hidden and does not move: show it in the viewport"
         if reason:
             raise SynchError(reason)
-        bpy.context.view_layer.update()  # a script may have scaled the object just now
+        scene = bpy.context.scene  # what keys and scripts have set counts now, as it will when all frames are read
+        scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)
         self.link = ObjectLink.to(obj)
         self._span, self._settings = span, settings_for(span.pattern, obj, settings)
         self._report = Report("animate", obj, self._settings)
