@@ -24,24 +24,25 @@ _GLB_TYPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9
 
 
 def is_whole(path: Path, vertices: int, faces: int) -> bool:
-    """Whether a mesh file has these numbers of vertices and faces; an .stl has as many triangles as it says."""
+    """Whether a mesh file has these numbers of vertices and faces; an .stl or .ply some where they are not 0, and as
+    many as it says."""
     content = Path(path).read_bytes()
     if path.suffix.lower() == ".stl":
         count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
         return len(content) == _STL_HEADER + _STL_TRIANGLE * count and (count > 0) == (faces > 0)
     if path.suffix.lower() == ".ply":
-        return _is_whole_ply(content)
+        return _is_whole_ply(content, vertices > 0)
     lines = b"\n" + content
     return content.endswith(b"\n") and lines.count(b"\nv ") == vertices and lines.count(b"\nf ") == faces
 
 
-def _is_whole_ply(content: bytes) -> bool:
-    """Whether a little-endian binary file is as long as its header says."""
+def _is_whole_ply(content: bytes, has_vertices: bool) -> bool:
+    """Whether a little-endian binary file is as long as its header says, and has vertices or none."""
     try:
         kind, elements, body = _ply_header(content)
     except ValueError:
         return False
-    if kind != "binary_little_endian":
+    if kind != "binary_little_endian" or any(count for count, _ in elements) != has_vertices:
         return False
     place = 0
     for count, properties in elements:

@@ -154,7 +154,7 @@ class BakeSettings(SettingsRecord):
             used = {field for _, field, _, _ in string.Formatter().parse(self.naming) if field is not None}
             if used <= {"object", "map"}:
                 self.naming.format(object="", map="")
-        except ValueError:
+        except (ValueError, LookupError, MemoryError):  # a wrong format, a field in a format, a huge width
             used = {self.naming}
         if used - {"object", "map"} or not self.naming.strip() or set(self.naming) & set("/\\"):
             raise SettingError(

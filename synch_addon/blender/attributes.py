@@ -98,7 +98,8 @@ def read_uv_map(obj, name):
 def _point_attribute(obj, name, data_type, kind):
     attribute = obj.data.attributes.get(name)
     if attribute is None:
-        present = [a.name for a in obj.data.attributes if a.data_type == data_type and a.name != "position"]
+        layout = data_type, "POINT"
+        present = [a.name for a in obj.data.attributes if (a.data_type, a.domain) == layout and a.name != "position"]
         have = f"it has {', '.join(present)}" if present else "it has none"
         raise SettingError(f"the mesh {obj.data.name} has no attribute {name!r}: choose a {kind} attribute ({have})")
     if attribute.data_type != data_type or attribute.domain != "POINT":

@@ -22,6 +22,7 @@ from ...core.memory import check_memory
 from ...core.unit_vectors import unit_vectors
 from .attributes import read_all
 from .quiet import quiet_stderr
+from .transaction import only_for_now
 from .translations import operator_error
 
 _IMPORTERS = {
@@ -220,11 +221,26 @@ def export_mesh(obj, path, z_up=False, written=write_whole):
     coarse = coarse_places(_places(data, matrix), read_all(data.edges, "vertices", 2))
     if coarse:
         raise SettingError(f"{path}: {coarse}, or write an .obj")
-    for other in bpy.context.view_layer.objects:
-        other.select_set(other == obj)
-    with written(path, arrived) as made:
+    with only_for_now(), written(path, arrived) as made:
+        is_mirrored = np.linalg.det(matrix[:3, :3]) < 0
+        shown = _placed(seen, is_mirrored) if is_mirrored or not obj.visible_get() else obj
+        for other in bpy.context.view_layer.objects:
+            other.select_set(other == shown)
         with written_by_operator(path):
             _EXPORTERS[suffix](filepath=str(made))
+
+
+def _placed(seen, is_mirrored):
+    """A visible object like another one with the transform in its mesh: Blender's exporters leave hidden objects out,
+    and write mirrored ones to .ply files inside out."""
+    data = bpy.data.meshes.new_from_object(seen)
+    data.transform(seen.matrix_world)
+    if is_mirrored:
+        data.flip_normals()
+    placed = bpy.data.objects.new(seen.name, data)
+    bpy.context.scene.collection.objects.link(placed)
+    bpy.context.view_layer.update()
+    return placed
 
 
 def _places(data, matrix):

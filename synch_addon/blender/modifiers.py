@@ -13,7 +13,8 @@ FILAMENTS = "Synch Filaments"
 # Modifiers after which the mesh may have other faces.
 _CHANGES_FACES = (
     {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
-    | {"NODES", "OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
+    | {"NODES", "OCEAN", "PARTICLE_INSTANCE", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE"}
+    | {"VOLUME_TO_MESH", "WELD", "WIREFRAME"}
 )  # fmt: skip
 # Modifiers that bend any mesh alike, whatever its faces.
 _BENDING = {"ARMATURE", "CAST", "CURVE", "LATTICE", "SIMPLE_DEFORM", "WARP"}

@@ -15,6 +15,7 @@ TYPES = {
     "INT32_2D": (np.int32, 2, "value"),
     "FLOAT_VECTOR": (np.float32, 3, "vector"),
     "FLOAT2": (np.float32, 2, "vector"),
+    "FLOAT4": (np.float32, 4, "vector"),  # not in Blender 4.5
     "FLOAT_COLOR": (np.float32, 4, "color"),
     "BYTE_COLOR": (np.float32, 4, "color"),
     "INT8": (np.int8, 1, "value"),

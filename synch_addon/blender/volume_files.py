@@ -31,6 +31,8 @@ def played_file(volume, frame):
     found = _NUMBER.search(path.name)
     count = volume.frame_duration
     number = frame - volume.frame_start + 1
+    if count == 0:
+        raise SettingError(f"the sequence of {path.name} has 0 frames: set how many in the volume's properties")
     if volume.sequence_mode == "CLIP" and not 1 <= number <= count:
         raise SettingError(f"frame {frame} lies outside the sequence of {path.name}: choose frames that it has")
     if volume.sequence_mode == "EXTEND":

@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 from ...core.geometry.check import FLAT_FACE
-from ..blender.new_geometry import new_mesh
+from ..blender.new_geometry import fill_mesh, new_mesh
 from ..blender.transaction import only_for_now
 
 # Corners on rims that are nearer to each other than this share of the diagonal are one; holes are closed whose rim is
@@ -20,10 +20,18 @@ _CRACK, _HOLE, _EDGES, _FLAT = 1e-4, 0.1, 4, 1e-7
 UPS = ("X", "Y", "Z", "-X", "-Y", "-Z")
 
 
-def turn_up(obj, axis):
-    """Turn the mesh of an object so that an axis of its file, such as "-Y", points up, along the object's Z."""
-    obj.matrix_world = Matrix()
+def turn_up(obj, axis, is_turned=False):
+    """Turn the mesh of an object so that an axis of its file, such as "-Y", points up, along the object's Z.
+
+    ``is_turned``: whether the importer has brought the file's Y to Z in the mesh, as Blender's does for .glb.
+    """
     way = Vector([float(letter == axis[-1]) for letter in "XYZ"]) * (-1 if axis[0] == "-" else 1)
+    if is_turned:
+        way = Vector((way.x, -way.z, way.y))
+        obj.data.transform(obj.matrix_world)
+        if obj.matrix_world.is_negative:
+            obj.data.flip_normals()
+    obj.matrix_world = Matrix()
     obj.data.transform(way.rotation_difference(Vector((0, 0, 1))).to_matrix().to_4x4())
     obj.data.update()
 
@@ -68,7 +76,7 @@ def _close_rims(made):
     places = np.array([vertex.co for vertex in made.verts])
     diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
     before = len(made.verts)
-    corners = list({vertex for edge in rims for vertex in edge.verts})
+    corners = list(dict.fromkeys(vertex for edge in rims for vertex in edge.verts))
     bmesh.ops.remove_doubles(made, verts=corners, dist=_CRACK * diagonal)
     if len(made.verts) < before:
         lines.append(f"{before - len(made.verts)} corners that did not quite meet are joined")
@@ -84,25 +92,32 @@ def _close_rims(made):
 
 def _loops(edges):
     """Connected edges, in lists."""
-    return _connected(edges, lambda edge: {one for vertex in edge.verts for one in vertex.link_edges})
+    return _connected(edges, lambda edge: (one for vertex in edge.verts for one in vertex.link_edges))
 
 
 def _bodies(made):
     """Faces of each body, in lists."""
-    return _connected(made.faces, lambda face: {one for edge in face.edges for one in edge.link_faces})
+    return _connected(made.faces, lambda face: (one for edge in face.edges for one in edge.link_faces))
 
 
 def _connected(items, neighbours):
-    """Connected components of items, in lists; ``neighbours`` gives the set of items beside one."""
+    """Connected components of items, in lists, whose order depends on that of the items alone.
+
+    ``neighbours`` gives the items beside one.
+    """
     left, components = set(items), []
-    while left:
-        component, waiting = [], [left.pop()]
+    for first in items:
+        if first not in left:
+            continue
+        left.remove(first)
+        component, waiting = [], [first]
         while waiting:
             item = waiting.pop()
             component.append(item)
-            beside = neighbours(item) & left
-            left -= beside
-            waiting += beside
+            for beside in neighbours(item):
+                if beside in left:
+                    left.remove(beside)
+                    waiting.append(beside)
         components.append(component)
     return components
 
@@ -148,9 +163,22 @@ def _unite(obj, bodies, meeting):
         united.from_mesh(first.evaluated_get(graph).data)
         for number in np.setdiff1d(np.arange(len(parts)), meeting):
             united.from_mesh(parts[number].data)
+        fill_mesh(obj.data, *_in_order(united))
+        united.clear()
+        united.from_mesh(obj.data)
         bmesh.ops.triangulate(united, faces=united.faces[:])
         united.to_mesh(obj.data)
         faces = len(united.faces)
         united.free()
     obj.data.update()
     return faces
+
+
+def _in_order(made):
+    """Places, corners and sizes of the faces of a BMesh in an order that follows from the places alone: Blender's union
+    has another one each time."""
+    numbers = {vertex: number for number, vertex in enumerate(sorted(made.verts, key=lambda vertex: vertex.co[:]))}
+    faces = [[numbers[vertex] for vertex in face.verts] for face in made.faces]
+    starts = [face.index(min(face)) for face in faces]
+    faces = sorted(face[start:] + face[:start] for face, start in zip(faces, starts, strict=True))
+    return np.array([vertex.co for vertex in numbers]), np.concatenate(faces), list(map(len, faces))

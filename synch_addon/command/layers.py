@@ -48,7 +48,7 @@ def run(options, open_object, progress):
     mended = []
     if solid is None and options.input and not options.input.lower().endswith(".blend"):
         if options.up:
-            intake.turn_up(obj, options.up)
+            intake.turn_up(obj, options.up, options.input.lower().endswith(".glb"))
         mended = intake.mend(obj)
     report = run_job(api.layer_job(obj, settings, solid), progress)
     layers = bpy.data.objects[report["layers_object"]]

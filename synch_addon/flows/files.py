@@ -12,6 +12,7 @@ from ...core.files.whole import write_text, write_whole
 from ...core.validation import check_path
 from ..blender.files import check_output, written_by_operator
 from ..blender.objects import no_object
+from ..blender.transaction import only_for_now
 from . import memory
 
 TABLE, SCENE = ".csv", ".abc"
@@ -78,11 +79,12 @@ def _write_alembic(obj, path):
     """Write an object as it is seen with Blender's exporter, which takes what is selected."""
     layer = bpy.context.view_layer
     selected = [other for other in layer.objects if other.select_get()]
-    for other in layer.objects:
-        other.select_set(other == obj)
     frame = bpy.context.scene.frame_current
     try:
-        with write_whole(path) as made:
+        with only_for_now(), write_whole(path) as made:
+            shown = _shown_mesh(obj)
+            for other in layer.objects:
+                other.select_set(other == shown)
             with written_by_operator(path):
                 bpy.ops.wm.alembic_export(
                     filepath=str(made), selected=True, start=frame, end=frame, as_background_job=False
@@ -90,3 +92,18 @@ def _write_alembic(obj, path):
     finally:
         for other in layer.objects:
             other.select_set(other in selected)
+
+
+def _shown_mesh(obj):
+    """A mesh object of what an object shows, also where it is hidden, as frames of a sequence are at other frames: the
+    exporter leaves these out, and writes a curve without what its modifiers make."""
+    copy = obj.copy()
+    copy.animation_data_clear()
+    copy.hide_viewport = False
+    bpy.context.scene.collection.objects.link(copy)
+    data = bpy.data.meshes.new_from_object(copy.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    shown = bpy.data.objects.new(obj.name, data)
+    shown.matrix_world = obj.matrix_world
+    bpy.context.scene.collection.objects.link(shown)
+    bpy.context.view_layer.update()
+    return shown

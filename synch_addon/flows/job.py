@@ -83,6 +83,7 @@ def job_for(source, settings):
     :class:`ClebschJob`."""
     if isinstance(source, str | Path):
         check_path(source)
+    bpy.context.view_layer.update()  # a script may have moved or scaled objects just now
     if settings.frames is not None:
         return SequenceJob(source, settings)
     surface = surface_flow(source, settings.attribute, settings.strict)

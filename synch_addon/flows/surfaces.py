@@ -55,9 +55,11 @@ def _of_object(obj, attribute, strict):
     reason = meshes.refusal(obj)
     if reason:
         raise SettingError(reason)
-    given = meshes.read_mesh(obj, strict=strict)
+    with meshes.object_mode(obj):
+        given = meshes.read_mesh(obj, strict=strict)
+        velocity = attributes.read_vectors(obj, attribute, given)
     warnings = tuple(finding.line for finding in given.findings)
-    return SurfaceFlow(obj.name, given, attributes.read_vectors(obj, attribute, given), ObjectLink.to(obj), warnings)
+    return SurfaceFlow(obj.name, given, velocity, ObjectLink.to(obj), warnings)
 
 
 def _of_plane(path):

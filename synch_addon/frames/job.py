@@ -136,6 +136,8 @@ class AnimationJob:
             reason = f"{obj.name} is hidden and does not move: show it in the viewport"
         if reason:
             raise SynchError(reason)
+        scene = bpy.context.scene  # what keys and scripts have set counts now, as it will when all frames are read
+        scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)
         self.link = ObjectLink.to(obj)
         self._span, self._settings = span, settings_for(span.pattern, obj, settings)
         self._report = Report("animate", obj, self._settings)
@@ -200,10 +202,10 @@ class AnimationJob:
             place = values[BARYCENTRIC.name]
             # A face's places are the same in all frames in which it is singular, and do not matter in others.
             places = place if places is None else np.where(places.any(axis=1, keepdims=True), places, place)
-            for name in own.keys() & values.keys():
-                attributes.write_attribute(
-                    obj, frame_attributes.frame_name(name, frame.number), *own[name], values[name]
-                )
+            for name in own:
+                if name in values:
+                    of_frame = frame_attributes.frame_name(name, frame.number)
+                    attributes.write_attribute(obj, of_frame, *own[name], values[name])
         directions = first.pop(DIRECTION.name)
         write.pattern_attributes(obj, first | {BARYCENTRIC.name: places})
         attributes.write(obj, DIRECTION, directions)

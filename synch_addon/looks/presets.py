@@ -16,6 +16,7 @@ from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import new_material, show_material, show_plain, shows_pattern
 from ..nodes.stripe_profiles import NUMBER
 from ..patterns import memory, numbers
+from ..settings.guide_list import store_guidance
 from . import looks
 
 # Custom property of a material: the preset that it was made for.
@@ -91,10 +92,7 @@ def solve_settings(obj, preset):
 
 def store_settings(stored, settings):
     """Put what :func:`solve_settings` gives into the settings of an object's panel."""
-    kind, _, axis = settings["guidance"].partition(":")
-    stored.guidance = kind.upper().replace("-", "_")
-    if axis:
-        stored.guide.axis = axis
+    store_guidance(stored, settings["guidance"])
     stored.symmetry = settings["symmetry"].upper()
     stored.spacing, stored.automatic_spacing = settings["spacing"], False
 

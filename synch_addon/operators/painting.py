@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operator: paint a map of the settings."""
 
+from itertools import chain, count
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
@@ -44,7 +46,7 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
             return {"CANCELLED"}
         set_mode(obj, "OBJECT")  # in edit mode groups cannot be changed
         if not (name and is_group(obj, name)):
-            group = obj.vertex_groups.new(name=name or chosen.group)
+            group = obj.vertex_groups.new(name=name or _free_name(obj, chosen.group))
             group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")  # without weights all is black
             name = group.name
             settings = getattr(obj, chosen.settings)
@@ -54,6 +56,12 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
         obj.vertex_groups.active = obj.vertex_groups[name]
         set_mode(obj, "WEIGHT_PAINT")
         return {"FINISHED"}
+
+
+def _free_name(obj, name):
+    """A name for a vertex group that no attribute has, which would go first."""
+    numbered = (f"{name}.{number:03d}" for number in count(1))
+    return next(each for each in chain([name], numbered) if each not in obj.data.attributes)
 
 
 class SYNCH_OT_done_painting(bpy.types.Operator):

@@ -6,14 +6,15 @@ import numpy as np
 from ...core.errors import MeshError
 from ...core.graphs import components
 from ...core.refinement.spacing import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing, lines_in_period
-from ..blender.meshes import read_mesh
+from ..blender.meshes import object_mode, read_mesh
 from ..jobs.report import versions
 
 
 def describe(obj):
     """Facts about a mesh object: the dict for the report, and lines to read."""
     try:
-        given = read_mesh(obj)
+        with object_mode(obj):
+            given = read_mesh(obj)
     except MeshError as error:
         facts = {"command": "info", "object": obj.name, "status": "refused", "reason": str(error)}
         return facts | {"versions": versions()}, [f"{obj.name}: cannot carry a field: {error}"]

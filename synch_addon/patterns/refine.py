@@ -37,6 +37,8 @@ from . import memory, write
 FACES_SEEN = 500
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
+# Names of metric units in a scene's settings: as they are written, and how many a metre has.
+_UNITS = {"METERS": ("m", 1), "CENTIMETERS": ("cm", 1e2), "MILLIMETERS": ("mm", 1e3), "MICROMETERS": ("µm", 1e6)}
 # What is known of the objects that were asked for last.
 _seen = LruCache(16)
 
@@ -230,9 +232,12 @@ def draw_expected_spacing(column, command, obj):
 def as_length(number):
     """A length in the scene's unit, as Blender's fields show it."""
     units = bpy.context.scene.unit_settings
-    if units.system == "METRIC" and units.length_unit == "METERS":
-        return f"{number * units.scale_length:.3g} m"
-    return bpy.utils.units.to_string(bpy.context.scene.unit_settings.system, "LENGTH", number, precision=3)
+    if units.system != "NONE":
+        number *= units.scale_length
+    if units.system == "METRIC" and units.length_unit in _UNITS:
+        name, factor = _UNITS[units.length_unit]
+        return f"{float(f'{number * factor:.3g}'):g} {name}"
+    return bpy.utils.units.to_string(units.system, "LENGTH", number, precision=3)
 
 
 def _look_at(obj):

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from ...core.settings.guidance import AUTOMATIC, AXES, BOUNDARY, GUIDES, SMOOTH, Source
+from ...core.settings.guidance import AUTOMATIC, AXES, BOUNDARY, GUIDES, SMOOTH, Source, parse_guidance
 from ..blender.registration import register_all
 from .rna import identifier_of
 from .suggestions import suggest_numbers, suggest_origins, suggest_uv_maps, suggest_vectors
@@ -69,6 +69,14 @@ class SynchGuide(bpy.types.PropertyGroup):
         name = getattr(self, NAME_PROPERTIES[kind]) if kind in NAME_PROPERTIES else ""
         return Source(_KINDS[kind], name, strength)
 
+    def take(self, source):
+        """Become a plain source; returns the identifier of its kind."""
+        self.kind = identifier_of(source.kind)
+        if self.kind in NAME_PROPERTIES:
+            setattr(self, NAME_PROPERTIES[self.kind], source.name)
+        self.strength = 1.0 if source.strength is None else source.strength
+        return self.kind
+
 
 def stored_guidance(stored):
     """The guidance as text, from an object's settings. Raises SettingError when a guide lacks its name."""
@@ -78,6 +86,20 @@ def stored_guidance(stored):
         return ",".join(str(guide.source(guide.kind, guide.strength)) for guide in stored.guides) or SMOOTH
     exact = stored.guidance == "ATTRIBUTE"
     return str(stored.guide.source(stored.guidance, None if exact else stored.guide.strength))
+
+
+def store_guidance(stored, text):
+    """Give an object's settings the guidance of a text, the inverse of :func:`stored_guidance`."""
+    sources = parse_guidance(text)
+    if not sources:
+        stored.guidance = text.strip().upper()
+    elif len(sources) == 1 and (sources[0].kind != "attribute" or sources[0].strength is None):
+        stored.guidance = stored.guide.take(sources[0])
+    else:
+        stored.guidance = "BLEND"
+        stored.guides.clear()
+        for source in sources:
+            stored.guides.add().take(source)
 
 
 register, unregister = register_all((SynchGuide,))

@@ -8,7 +8,22 @@ import bpy
 import numpy as np
 import pytest
 
-from ..scenes import attribute, empties, grid, hexagon_sphere, quad_sphere, sphere, torus, tube, written
+from synch_fields.synch_addon.blender.attributes import read_values
+from synch_fields.synch_addon.blender.modifiers import changing_modifiers
+
+from ..scenes import (
+    LAYOUTS,
+    add_attribute,
+    attribute,
+    empties,
+    grid,
+    hexagon_sphere,
+    quad_sphere,
+    sphere,
+    torus,
+    tube,
+    written,
+)
 
 STRIPE_ATTRIBUTES = {
     "synch_direction": ("POINT", "FLOAT_VECTOR"),
@@ -154,3 +169,27 @@ def test_spacing_property_tells_the_automatic_choice():
     phases = attribute(obj, "synch_phase").copy()
     bpy.ops.synch.stripes(spacing=obj["synch_spacing"])
     np.testing.assert_allclose(np.cos(attribute(obj, "synch_phase")), np.cos(phases), atol=1e-3)
+
+
+@pytest.mark.parametrize("data_type", LAYOUTS.keys() - {"STRING"})
+def test_every_type_of_attribute_of_this_blender_is_read(data_type):
+    """What is not read would not go over to a finer surface."""
+    obj = grid(3)
+    if not add_attribute(obj.data, "own", data_type, "POINT"):
+        pytest.skip("not in this Blender")
+    name, dtype, width = LAYOUTS[data_type]
+    expected = np.empty(width * len(obj.data.vertices), dtype)
+    obj.data.attributes["own"].data.foreach_get(name, expected)
+    np.testing.assert_array_equal(read_values(obj, "own", "POINT").ravel(), expected)
+
+
+def test_what_replaces_the_faces_of_a_mesh_counts_as_changing_them():
+    emitter, obj = grid(2), sphere(2)
+    emitter.modifiers.new("hair", "PARTICLE_SYSTEM")
+    emitter.particle_systems[0].settings.type, emitter.particle_systems[0].settings.count = "HAIR", 5
+    for kind in ("PARTICLE_INSTANCE", "VOLUME_TO_MESH"):
+        modifier = obj.modifiers.new(kind, kind)
+        modifier.object = emitter if kind == "PARTICLE_INSTANCE" else None
+        seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        assert len(seen.polygons) != len(obj.data.polygons) and changing_modifiers(obj) == [modifier]
+        obj.modifiers.remove(modifier)

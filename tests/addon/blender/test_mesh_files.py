@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Normals of imported meshes: what they mark as sharp stays, and flat faces look flat and get the quads of a smooth
-mesh."""
+"""Mesh files: normals of imported meshes, which mark edges as sharp or flat faces, and the sides of faces that are
+written."""
 
 import bpy
 import numpy as np
@@ -63,3 +63,24 @@ def test_triangles_side_by_side_get_the_quads_of_a_joined_mesh(tmp_path):
     report = api.quad_mesh(files.open_object(tmp_path / "soup.obj"), faces=1500)
     assert report["surface"]["joined"] == joined > 100
     assert report["quad_mesh"]["angle_deviation"] < 6 and report["quad_mesh"]["closed"]
+
+
+@pytest.mark.parametrize("scale", [(1, 2, 0.5), (-1, 2, 0.5), (-1, -2, -0.5)])
+@pytest.mark.parametrize("suffix", files.MESH_SUFFIXES)
+@pytest.mark.parametrize("is_hidden", [False, True])
+def test_faces_in_files_look_outwards_whatever_the_object_is_like(tmp_path, suffix, scale, is_hidden):
+    """The volume that a file's faces enclose, by the divergence theorem, is positive and that of the ellipsoid."""
+    obj, away = sphere(4), bpy.data.collections.new("Ball")
+    bpy.context.scene.collection.children.link(away)
+    away.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    obj.scale, obj.rotation_euler = scale, (0.3, 0.2, 1)
+    bpy.context.view_layer.update()
+    names = set(bpy.data.meshes.keys()), set(bpy.data.objects.keys())
+    bpy.context.view_layer.layer_collection.children["Ball"].exclude = is_hidden
+    files.export_mesh(obj, tmp_path / f"ball{suffix}")
+    assert (set(bpy.data.meshes.keys()), set(bpy.data.objects.keys())) == names
+    read = files.open_object(tmp_path / f"ball{suffix}").data
+    corners = np.array([[read.vertices[v].co for v in face.vertices] for face in read.polygons], float)
+    volume = np.einsum("fx,fx->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    assert volume == pytest.approx(4 / 3 * np.pi, rel=0.01)

@@ -71,6 +71,26 @@ def test_tubes_go_out_and_come_back_by_blender(tmp_path):
         assert np.abs(np.sort(found, axis=0) - np.sort(places, axis=0)).max() < 1e-4
 
 
+@pytest.mark.skipif(".abc" not in SUFFIXES, reason="this Blender is built without Alembic")
+@pytest.mark.parametrize("is_hidden", [False, True])
+def test_alembic_files_hold_the_tubes_around_filaments(tmp_path, is_hidden):
+    """Also of an object that is hidden by keys, as those of a sequence are at other frames than their own."""
+    report = clebsch(circle(), quantum=0.34, resolution=16, target_gap=0.1)
+    obj = bpy.data.objects[report["object"]]
+    shown = bpy.data.meshes.new_from_object(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    places = np.sort([vertex.co for vertex in shown.vertices], axis=0)
+    obj.hide_viewport = is_hidden
+    obj.keyframe_insert("hide_viewport", frame=bpy.context.scene.frame_current)
+    names = set(bpy.data.objects.keys())
+    api.filament_export(obj, tmp_path / "tubes.abc")
+    assert set(bpy.data.objects.keys()) == names and obj.hide_viewport == is_hidden
+    assert bpy.ops.wm.alembic_import(filepath=str(tmp_path / "tubes.abc")) == {"FINISHED"}
+    (read,) = [other for other in bpy.data.objects if other.type == "MESH" and other.name not in names]
+    found = np.sort([read.matrix_world @ vertex.co for vertex in read.data.vertices], axis=0)
+    assert len(read.data.polygons) == len(shown.polygons) > 100
+    assert np.abs(found - places).max() < 1e-4
+
+
 def test_the_command_writes_filaments(tmp_path, capfd):
     write_npz(tmp_path / "ring.npz")
     run = ["clebsch", str(tmp_path / "ring.npz"), "--quiet", "--method", "spectral", "--export-filaments"]

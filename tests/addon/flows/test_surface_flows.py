@@ -22,6 +22,7 @@ from synch_fields.synch_addon.nodes.vortices import STRENGTH
 
 from ...corpus.makers import moebius_strip
 from ..scenes import add_object, places, set_vectors, snapshot
+from ..vortex_scenes import circle
 
 QUANTUM = np.pi / 5
 
@@ -213,3 +214,26 @@ def test_a_flow_around_a_one_sided_surface_goes_on_across_its_seam():
     np.testing.assert_allclose(*phases[given.seam.T], atol=1e-12)
     with pytest.raises(SynchError, match="the surface is one-sided"):
         clebsch(obj, quantum=2.0, strict=True)
+
+
+def test_a_mesh_in_edit_mode_is_read_as_it_was_edited():
+    obj = turning_sphere()
+    expected = clebsch(obj)
+    obj = turning_sphere()
+    bpy.ops.object.mode_set(mode="EDIT")
+    report = clebsch(obj)
+    assert obj.mode == "EDIT" and report["quantum"] == pytest.approx(expected["quantum"], rel=1e-5)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(defect_empties(obj)) == len(report["vortices"]) > 0
+
+
+@pytest.mark.parametrize("make", [turning_sphere, circle])
+def test_what_a_script_has_scaled_just_now_counts(make):
+    options = {} if make is turning_sphere else {"resolution": 16, "core": 1.0}
+    obj = make(2.0)
+    bpy.context.view_layer.update()
+    expected = clebsch(obj, **options)["quantum"]
+    obj = make(1.0)
+    bpy.context.view_layer.update()
+    obj.scale = (2, 2, 2)
+    assert clebsch(obj, **options)["quantum"] == pytest.approx(expected, rel=1e-4)

@@ -173,6 +173,11 @@ def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
         api.clebsch(folder / "smoke_####.vdb", frames=(1, 2), method="spectral")
     assert snapshot() == before
     volume = volume_of(folder)
+    volume.data.frame_duration = 0  # as after a script has declared a sequence
+    for mode in ("CLIP", "EXTEND", "REPEAT", "PING_PONG"):
+        volume.data.sequence_mode = mode
+        with pytest.raises(SettingError, match="has 0 frames: set how many"):
+            api.clebsch(volume, frames=(1, 2))
     volume.data.is_sequence = False
     with pytest.raises(SettingError, match="is not a sequence"):
         api.clebsch(volume, frames=(1, 2))

@@ -111,6 +111,22 @@ def test_automatic_spacing_is_that_of_the_first_frame():
     assert obj["synch_spacing"] == pytest.approx(alone["synch_spacing"])
 
 
+def test_an_object_that_a_script_has_scaled_just_now_is_measured_so():
+    expected = api.animate(_doubled(), frames=(1, 2))["settings"]["spacing"]
+    obj = _doubled()
+    obj.scale = (1, 1, 1)
+    bpy.context.view_layer.update()
+    obj.scale = (2, 2, 2)
+    assert api.animate(obj, frames=(1, 2))["settings"]["spacing"] == pytest.approx(expected)
+
+
+def _doubled():
+    obj = sphere(2)
+    obj.scale = (2, 2, 2)
+    bpy.context.view_layer.update()
+    return obj
+
+
 def test_given_directions_go_along():
     obj = grid(6)
     points = attribute(obj, "position").reshape(-1, 3)

@@ -310,10 +310,19 @@ def test_the_picture_is_that_of_the_look_that_is_shown():
     assert not bpy.ops.synch.plain_look.poll()
 
 
-@pytest.mark.parametrize("name", ["corduroy", "wood-cut", "zebra"])
-def test_a_preset_that_was_just_solved_is_of_the_settings_of_the_panel(name):
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("corduroy", {}),
+        ("wood-cut", {}),
+        ("zebra", {}),
+        ("zebra", {"guidance": "axis:X=3"}),
+        ("zebra", {"guidance": "curvature-min=2,axis:Z"}),
+    ],
+)
+def test_a_preset_that_was_just_solved_is_of_the_settings_of_the_panel(name, given):
     obj = sphere(3)
-    assert bpy.ops.synch.preset(preset=name) == {"FINISHED"}
+    assert bpy.ops.synch.preset(preset=name, **given) == {"FINISHED"}
     assert not shows_other_settings(obj, "stripes")
     obj.synch.guidance = "CURVATURE_MAX"
     assert shows_other_settings(obj, "stripes")

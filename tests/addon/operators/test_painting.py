@@ -90,6 +90,15 @@ def test_a_group_that_is_named_is_painted_and_a_missing_one_made():
     assert obj.vertex_groups.active.name == obj.synch.spacing_map == "gone"
 
 
+def test_a_new_group_gets_a_name_that_no_attribute_has():
+    obj = grid()
+    set_numbers(obj, "Spacing", np.ones(len(obj.data.vertices)))
+    assert bpy.ops.synch.paint_map(target="SPACING") == {"FINISHED"}
+    assert painted_map(obj) == "SPACING" and obj.synch.spacing_map == "Spacing.001"
+    assert bpy.ops.object.mode_set(mode="OBJECT") == {"FINISHED"}
+    assert bpy.ops.synch.paint_map(target="SPACING") == {"FINISHED"} and len(obj.vertex_groups) == 1
+
+
 def test_an_attribute_is_refused_and_left_alone():
     obj = grid()
     set_numbers(obj, "wide", np.ones(len(obj.data.vertices)))

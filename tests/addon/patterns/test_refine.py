@@ -297,3 +297,26 @@ def test_no_warning_on_a_mesh_of_quads_that_was_made():
     made = bpy.data.objects[api.quad_mesh(obj, spacing=0.5)["quad_mesh"]["object"]]
     made.synch.automatic_spacing, made.synch.spacing = False, 0.01
     assert refine.missing_levels(made) > 0 and warning(made) == ([], 0)
+
+
+@pytest.mark.parametrize(
+    ("system", "unit", "scale", "words"),
+    [
+        ("METRIC", "METERS", 1.0, "2 m"),
+        ("METRIC", "METERS", 0.001, "0.002 m"),
+        ("METRIC", "MILLIMETERS", 0.001, "2 mm"),
+        ("METRIC", "MILLIMETERS", 1.0, "2000 mm"),
+        ("METRIC", "CENTIMETERS", 0.01, "2 cm"),
+        ("METRIC", "ADAPTIVE", 0.001, "2 mm"),
+        ("IMPERIAL", "FEET", 0.3048, "2'"),
+        ("NONE", None, 0.001, "2"),
+    ],
+)
+def test_lengths_are_said_in_the_unit_of_the_scene(system, unit, scale, words):
+    """As Blender's own fields do; without units the scale does not count."""
+    units = bpy.context.scene.unit_settings
+    units.system = system
+    if unit is not None:
+        units.length_unit = unit
+    units.scale_length = scale
+    assert refine.as_length(2.0).strip() == words

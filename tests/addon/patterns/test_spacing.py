@@ -8,6 +8,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.patterns.info import describe
 
 from ..scenes import attribute, grid, set_vectors, sphere
 
@@ -124,3 +125,14 @@ def test_stripes_finer_than_the_mesh_carries_are_refused_where_strict():
     assert "finer than the mesh can carry" in api.stripes(obj, spacing=0.2, surface="faces")["warnings"][0]
     with pytest.raises(SettingError, match="finer than the mesh can carry"):
         api.stripes(obj, spacing=0.2, surface="faces", strict=True)
+
+
+def test_a_mesh_in_edit_mode_is_described_as_it_was_edited():
+    expected, _ = describe(sphere())
+    obj = sphere(2)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide(smoothness=1)
+    facts, _ = describe(obj)
+    assert obj.mode == "EDIT" and facts["status"] == "ready"
+    assert (facts["vertices"], facts["faces"]) == (expected["vertices"], expected["faces"])

@@ -11,7 +11,7 @@ from synch_fields.core.settings.guidance import Source, parse_guidance
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, UNGUIDED, stored_guidance
+from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, UNGUIDED, store_guidance, stored_guidance
 
 from ..run_commands import WAYS, add_weights, solve
 from ..scenes import (
@@ -320,6 +320,30 @@ def test_the_panels_guide_is_what_the_button_follows():
     obj.synch.guidance = "CONTOUR"
     api.run("directions", obj, SurfaceSettings(symmetry="vector", guidance=stored_guidance(obj.synch)))
     np.testing.assert_allclose(directions(obj) @ (-1, 2, 0), np.sqrt(5), rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "automatic",
+        "smooth",
+        "curvature-max=1",
+        'distance:"left, side"=2.5',
+        "uv-u:Map=1",
+        "uv-v=1",
+        "attribute:wish",
+        "attribute:wish=2",
+        "curvature-min=2,axis:Z=1,file:field.rosy=0.5",
+    ],
+)
+def test_a_guidance_that_is_stored_is_the_same_text_again(text):
+    obj = grid()
+    obj.synch.guidance, obj.synch.guide.strength = "AXIS", 7.0
+    obj.synch.guides.add()
+    store_guidance(obj.synch, text)
+    assert stored_guidance(obj.synch) == text
+    store_guidance(obj.synch, text.replace("=1", ""))  # which is what it is without a number
+    assert stored_guidance(obj.synch) == text
 
 
 def test_a_blend_is_kept_in_the_file_and_followed(tmp_path):

@@ -106,6 +106,7 @@ def test_spacing_maps_that_are_of_no_use_are_refused(capfd):
     factors = np.ones(len(obj.data.vertices))
     factors[[3, 5]] = 0, -1
     set_numbers(obj, "map", factors)
+    obj.data.attributes.new("of faces", "FLOAT", "FACE")  # which cannot be chosen
     before = snapshot()
     for settings, message in (
         ({"spacing_map": "map"}, "'map' of Grid is of no use at vertices 3, 5: give a positive factor on the spacing"),

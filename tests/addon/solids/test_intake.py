@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.command.intake import mend, turn_up
 from synch_fields.synch_addon.solids.surface import read_area, read_surface
 
 from ..solid_objects import placed
@@ -96,6 +98,41 @@ def test_an_axis_of_a_file_is_turned_up(tmp_path, up, layers):
     heights = placed(made)[:, 2]
     low = placed(bpy.data.objects[report["object"]])[:, 2]
     np.testing.assert_allclose(np.unique(np.round(heights - low.min(), 4)), np.arange(layers) + 0.5, atol=1e-3)
+
+
+@pytest.mark.parametrize("up", ["X", "Y", "Z", "-Y"])
+def test_an_axis_of_a_glb_file_is_turned_up(tmp_path, up):
+    """Such files have Y up: an object of 2 by 6 by 4 in Blender, by its scale, is 2 by 4 by 6 there."""
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    obj = bpy.context.active_object
+    obj.data.transform(Matrix.Diagonal((1, 3, 1, 1)))
+    obj.scale.z = -2
+    bpy.ops.export_scene.gltf(filepath=str(tmp_path / "box.glb"))
+    obj = files.open_object(tmp_path / "box.glb")
+    turn_up(obj, up, is_turned=True)
+    bpy.context.view_layer.update()
+    assert obj.dimensions.z == pytest.approx({"X": 2, "Y": 4, "Z": 6}[up[-1]])
+    assert sorted(obj.dimensions) == pytest.approx([2, 4, 6])
+    assert read_surface(obj).distance.volume == pytest.approx(48)
+    outwards = [face.normal @ face.center for face in obj.data.polygons]
+    assert min(outwards) > 0
+
+
+def test_united_bodies_have_the_same_order_each_time():
+    """Python and Blender order the parts of meshes by their addresses, which are others each time."""
+    found = []
+    for _ in range(4):
+        bpy.ops.wm.read_homefile(use_empty=True)
+        for x in (0, 0.7, 1.5, 2.2):
+            bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8, location=(x, 0.1 * x, 0.05))
+        for other in bpy.context.scene.objects:
+            other.select_set(True)
+        bpy.ops.object.join()
+        obj = bpy.context.active_object
+        assert any("4 bodies" in line for line in mend(obj))
+        found.append([vertex.co[:] for vertex in obj.data.vertices])
+        found[-1] += [face.vertices[:] for face in obj.data.polygons]
+    assert all(one == found[0] for one in found)
 
 
 def test_faces_that_look_down_and_up_are_groups(tmp_path):
