@@ -39,7 +39,7 @@ def serve(answer: Callable[[Task], Answer], leave: Callable[[int], object] = os.
             send(out, answer(task))
 
 
-class Hand:
+class WarmProcess:
     """A warm process, started by a command when it is first needed; each solve may use ``threads`` threads."""
 
     def __init__(self, command: Sequence[str], threads: int) -> None:
@@ -80,6 +80,7 @@ class Hand:
         _end(self._child)
 
     def _ready(self) -> _Child | None:
+        """The process for the next task, a new one after :data:`_TASKS` tasks; None once the batch has ended."""
         with self._lock:
             if self._is_ended:
                 return None
@@ -105,6 +106,7 @@ def _answer(child: _Child, task: Task) -> Answer | None:
 
 
 def _end_late(child: _Child, seconds: float, answered: Event, late: Event) -> None:
+    """Kill a child that has not answered after some seconds, and set ``late``."""
     if not answered.wait(seconds):
         late.set()
         child.kill()
@@ -118,6 +120,7 @@ def _dismiss(child: _Child | None) -> None:
 
 
 def _end(child: _Child | None) -> None:
+    """Let a child end by itself, kill it if it takes long, and close its output."""
     if child is not None:
         _dismiss(child)
         try:
@@ -131,6 +134,7 @@ def _end(child: _Child | None) -> None:
 
 
 def _describe_end(child: _Child) -> str:
+    """Why a child that closed its output has ended, for a message."""
     try:
         status = child.wait(_FAREWELL)
     except subprocess.TimeoutExpired:
@@ -150,8 +154,8 @@ class ProcessPool:
         self.capacity = 2 * count
         self._tasks: queue.SimpleQueue[Task | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[tuple[Task, Answer]] = queue.SimpleQueue()
-        self._hands = [Hand(command, threads) for _ in range(count)]
-        self._threads = [start_thread(self._work, hand, is_daemon=False) for hand in self._hands]
+        self._processes = [WarmProcess(command, threads) for _ in range(count)]
+        self._threads = [start_thread(self._work, process, is_daemon=False) for process in self._processes]
 
     def start(self, task: Task) -> None:
         self._tasks.put(task)
@@ -165,14 +169,14 @@ class ProcessPool:
 
     def end(self) -> None:
         """End all processes at once."""
-        for hand in self._hands:
-            hand.dismiss()
-        for hand in self._hands:
+        for process in self._processes:
+            process.dismiss()
+        for process in self._processes:
             self._tasks.put(None)
-            hand.end()
+            process.end()
         for thread in self._threads:
             thread.join()
 
-    def _work(self, hand: Hand) -> None:
+    def _work(self, process: WarmProcess) -> None:
         while (task := self._tasks.get()) is not None:
-            self._answers.put((task, hand.ask(task)))
+            self._answers.put((task, process.ask(task)))

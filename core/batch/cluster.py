@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import SettingError
 from ..threads import Lock
-from .child_loop import Answer, Hand, Task
+from .child_loop import Answer, Task, WarmProcess
 
 # Seconds in which a scheduler has to answer.
 _PATIENCE = 15
@@ -79,42 +79,43 @@ class Cluster:
             self._client.close(_PATIENCE)
 
 
-class _Hands:
+class _WarmProcesses:
     """The warm processes of a worker, all and those without a task, by the batch that they were started for."""
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._free: defaultdict[_PoolKey, list[Hand]] = defaultdict(list)
-        self._all: defaultdict[_PoolKey, list[Hand]] = defaultdict(list)
+        self._free: defaultdict[_PoolKey, list[WarmProcess]] = defaultdict(list)
+        self._all: defaultdict[_PoolKey, list[WarmProcess]] = defaultdict(list)
 
     def ask(self, key: _PoolKey, task: Task) -> Answer:
+        """Solve a task in a free process of its batch, or in a new one."""
         with self._lock:
             free = self._free[key]
             if not free:
                 _, arguments, threads = key
-                free.append(Hand([sys.executable, *arguments], threads))
+                free.append(WarmProcess([sys.executable, *arguments], threads))
                 self._all[key].append(free[0])
-            hand = free.pop()
+            process = free.pop()
         try:
-            return hand.ask(task)
+            return process.ask(task)
         finally:
             with self._lock:
-                self._free[key].append(hand)
+                self._free[key].append(process)
 
     def end(self, key: _PoolKey) -> None:
         with self._lock:
             self._free.pop(key, None)
             ended = self._all.pop(key, [])
-        for hand in ended:
-            hand.end()
+        for process in ended:
+            process.end()
 
 
-_hands = _Hands()
+_processes = _WarmProcesses()
 
 
 def _do(key: _PoolKey, task: Task) -> Answer:
-    return _hands.ask(key, task)
+    return _processes.ask(key, task)
 
 
 def _end(key: _PoolKey) -> None:
-    _hands.end(key)
+    _processes.end(key)

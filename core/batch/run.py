@@ -96,7 +96,7 @@ def _clash(file: DeclaredFile, row: int, other: int, writes: bool) -> SettingErr
 def run_rows(
     rows: Iterable[Planned],
     records: Records,
-    crew: "ProcessPool | Cluster",
+    pool: "ProcessPool | Cluster",
     retries: int,
     versions: object,
     progress: Callable[[str, float], object],
@@ -127,11 +127,11 @@ def run_rows(
     running: dict[str, Planned] = {}
     while waiting or running:
         progress(f"rows ({failed} failed)" if failed else "rows", (made + failed) / total)
-        while waiting and len(running) < crew.capacity:
+        while waiting and len(running) < pool.capacity:
             key, row = waiting.popleft()
             running[key] = row
-            crew.start(_task(row, records, versions) | {"limit": limit})
-        answered = crew.answer(_LOOK)
+            pool.start(_task(row, records, versions) | {"limit": limit})
+        answered = pool.answer(_LOOK)
         if answered is None:
             continue
         task, answer = answered

@@ -216,6 +216,7 @@ def keep_factors() -> Iterator[None]:
 
 
 def _factors(matrix: csr_matrix) -> SuperLU:
+    """Factorize a matrix, or return the factors that :func:`keep_factors` keeps of an equal one."""
     kept = _kept.get() or []
     for known, factors in kept:
         if known.shape == matrix.shape and known.nnz == matrix.nnz and abs(known - matrix).max() == 0:

@@ -257,6 +257,7 @@ class _Moves:
 
     @classmethod
     def of(cls, course: Course, machine: Machine) -> Self:
+        """Turn the beads of a course into moves: tilt, divide, simplify, and time them."""
         order, sizes = np.concatenate(course.runs), np.array([len(run) for run in course.runs])
         points, axes = course.points[order], course.axes[order]
         first = np.zeros(len(order), bool)

@@ -89,6 +89,7 @@ class Follower:
         return piece
 
     def _descend(self, number: int, piece: Piece, start: Start, monitor: Monitor) -> PartResult:
+        """Descend in single precision from the start, on a scaled piece."""
         assert start.column is not None
         spheres = fields_of(piece)
         column = spheres.normalize(start.column)

@@ -60,6 +60,7 @@ def carry_groups(source, made, parents, weights):
 
 
 def _carry_attributes(source, made, bound):
+    """Carry all but the pattern's attributes from the source to the finer mesh made of it."""
     edges = _edge_numbers(made, bound.edge_vertices)
     for attribute in list(source.data.attributes):
         name, domain, data_type = attribute.name, attribute.domain, attribute.data_type

@@ -85,6 +85,7 @@ def _cluster(*arguments):
 
 
 def _run(options, way, shared, progress):
+    """Run the rows that are not done, then write tables and the contact sheet, unless it is a share of a batch."""
     for name, least in (("jobs", 1), ("threads", 1), ("retries", 0)):
         if getattr(options, name) < least:
             raise SettingError(f"--{name} is {getattr(options, name)}: give a number from {least} on")
@@ -99,13 +100,13 @@ def _run(options, way, shared, progress):
     records = Records(folder)
     records.make_folders()
     if options.scheduler:
-        crew = _cluster(options.scheduler, _SERVE, options.threads)
+        pool = _cluster(options.scheduler, _SERVE, options.threads)
     else:
-        crew = child_loop.ProcessPool(_command(), options.jobs, options.threads)
+        pool = child_loop.ProcessPool(_command(), options.jobs, options.threads)
     try:
-        before, now = run_rows(rows, records, crew, options.retries, versions(), progress, options.limit)
+        before, now = run_rows(rows, records, pool, options.retries, versions(), progress, options.limit)
     finally:
-        crew.end()
+        pool.end()
     lines = [f"{count_text(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]
     if options.share:
         return Made({}, lines, [])

@@ -188,6 +188,8 @@ class AnimationJob:
         }
 
     def _write(self, obj, frames, spacing):
+        """Write the attributes of all frames, the first frame's under their plain names too, and the nodes that play
+        them."""
         frame_attributes.remove_frames(obj)
         corners = self._split(obj, frames)
         own = frame_attributes.frame_layout(self._span.pattern)
@@ -244,6 +246,7 @@ def _at_present(obj):
 
 
 def _request(obj, frame, settings, span, base):
+    """The request of a frame, which is the scene's present one; SynchError where the faces differ from the base's."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if not meshes.has_faces(meshes.read_polygons(evaluated), base):
         modifier = _changing(obj, base)

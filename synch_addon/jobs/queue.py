@@ -328,6 +328,7 @@ class Queue:
         return _LOOK
 
     def _solve(self, work):
+        """Send a work to the child if it is not there yet, then handle the child's messages; errors end the work."""
         try:
             if self._asked is not work:
                 limit = memory_limit()

@@ -162,6 +162,7 @@ class Worker:
         return True
 
     def _last_words(self):
+        """Why the child has ended, for the user."""
         try:
             status = self._child.wait(_FAREWELL)
         except subprocess.TimeoutExpired:

@@ -152,6 +152,7 @@ def pattern_attributes(obj, values):
 
 
 def _defect(given, pattern, defect, face):
+    """The :class:`DefectEmpty` of a defect of the measured mesh, in object space, in a face of the object."""
     inverse = np.linalg.inv(given.stretch)
     normal = given.stretch @ defect.normal  # normals go the other way round than points
     length = np.linalg.norm(normal)

@@ -31,6 +31,7 @@ def read_guides(obj, given, symmetry, sources):
 
 
 def _pending(obj, given, symmetry, source):
+    """Read what a guide names, and return the function without arguments that computes its directions."""
     mesh, kind, name = given.mesh, source.kind, source.name
     if source.is_of_curvature:
         _refuse_unequal(source, 2, symmetry)

@@ -92,7 +92,7 @@ def test_a_pattern_with_a_shared_command_and_shares_of_it(ball, tmp_path, monkey
 
 
 class Here:
-    """A crew that is this process."""
+    """A pool that is this process."""
 
     capacity = 1
 

@@ -161,8 +161,8 @@ def processes_with(temporary):
 def test_a_warm_process_that_is_not_needed_leaves_nothing(temporary, place, monkeypatch):
     for name, value in place["env"].items():
         monkeypatch.setenv(name, value)
-    hand = child_loop.Hand([*COMMAND, "batch", "-"], 1)
+    process = child_loop.WarmProcess([*COMMAND, "batch", "-"], 1)
     task = {"key": "0" * 32, "arguments": ["info"], "working_folder": ".", "folder": ".", "versions": {"numpy": "0"}}
-    assert "numpy is " in hand.ask(task)["failed"]
-    hand.end()
-    assert hand._child.returncode == 0 and list(temporary.iterdir()) == []
+    assert "numpy is " in process.ask(task)["failed"]
+    process.end()
+    assert process._child.returncode == 0 and list(temporary.iterdir()) == []

@@ -26,11 +26,11 @@ def dask():
 
 
 def run(wanted, records, dask, retries=1, progress=told):
-    crew = Cluster(dask.scheduler_address, ARGUMENTS, 1)
+    pool = Cluster(dask.scheduler_address, ARGUMENTS, 1)
     try:
-        return run_rows(wanted, records, crew, retries, {}, progress)
+        return run_rows(wanted, records, pool, retries, {}, progress)
     finally:
-        crew.end()
+        pool.end()
 
 
 def test_all_rows_are_done_once_and_poisoned_ones_are_listed(records, tmp_path, dask):

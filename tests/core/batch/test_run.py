@@ -22,11 +22,11 @@ from .children import COMMAND, begun, rows, told
 
 
 def run(wanted, records, count=1, retries=1, progress=told, limit=None):
-    crew = ProcessPool(COMMAND, count, 1)
+    pool = ProcessPool(COMMAND, count, 1)
     try:
-        return run_rows(wanted, records, crew, retries, {}, progress, limit)
+        return run_rows(wanted, records, pool, retries, {}, progress, limit)
     finally:
-        crew.end()
+        pool.end()
 
 
 def states(wanted, records):
@@ -126,14 +126,14 @@ def test_the_processes_end_with_the_batch(records):
 
 def test_a_process_ends_when_its_batch_is_killed(records, tmp_path):
     """Its pipe closes, whatever it is doing."""
-    crew = ProcessPool(COMMAND, 1, 1)
-    crew.start({"key": "0" * 32, "arguments": ["slow", "0.txt"], "working_folder": ".", "folder": "batch"})
+    pool = ProcessPool(COMMAND, 1, 1)
+    pool.start({"key": "0" * 32, "arguments": ["slow", "0.txt"], "working_folder": ".", "folder": "batch"})
     while not ((tmp_path / "begun.txt").exists() and (tmp_path / "begun.txt").read_text().strip()):
         time.sleep(0.01)
     pid = int((tmp_path / "begun.txt").read_text().split()[-1])
-    crew._hands[0]._child.stdin.close()
-    crew._hands[0]._child.wait(5)
-    crew.end()
+    pool._processes[0]._child.stdin.close()
+    pool._processes[0]._child.wait(5)
+    pool.end()
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
@@ -148,11 +148,11 @@ def test_a_process_has_its_threads_and_not_what_slows_its_memory(records, monkey
 
 def test_a_command_that_is_not_there_fails_its_rows(records):
     wanted = rows("write")
-    crew = ProcessPool(["no-such-program"], 1, 1)
+    pool = ProcessPool(["no-such-program"], 1, 1)
     try:
-        run_rows(wanted, records, crew, 0, {}, told)
+        run_rows(wanted, records, pool, 0, {}, told)
     finally:
-        crew.end()
+        pool.end()
     assert next(entries(wanted, records))["reason"].startswith("its process cannot be started: no-such-program")
 
 
