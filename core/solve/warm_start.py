@@ -75,7 +75,8 @@ class Follower:
         return combine(problem, results, options, clock.seconds)
 
     def _scaled(self, number: int, problem: SynchronizationProblem) -> Piece:
-        """A piece, scaled; from the third problem on that differs in angles only, its factor is of an earlier one."""
+        """A piece, scaled. Problems that follow one which differs in angles only share its factor and the layout of its
+        matrix."""
         if not self._repeats:
             self._matrices.pop(number, None)
         if number in self._matrices:

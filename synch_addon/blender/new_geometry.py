@@ -63,7 +63,7 @@ def add_spline(data, points, kind="POLY", is_closed=False):
 
 
 def _fill(data, points, corners, sizes, smooth):
-    """Give an empty mesh (n, 3) points and faces: vertices of the corners, one face after the other, and (f,) sizes."""
+    """Fill an empty mesh: (n, 3) points, the corners' vertices face by face, and (f,) numbers of corners."""
     data.vertices.add(len(points))
     data.loops.add(len(corners))
     data.polygons.add(len(sizes))

@@ -76,7 +76,7 @@ def run(options, way, shared, progress):
 
 
 def _cluster(*arguments):
-    """The workers of a Dask scheduler; the extension, which uses no network, is packed without them."""
+    """The :class:`Cluster` of a Dask scheduler; the packed extension, which uses no network, has no such module."""
     try:
         from ...core.batch.cluster import Cluster
     except ImportError:
@@ -95,7 +95,7 @@ def _run(options, way, shared, progress):
     options.folder = options.folder or str(Path("out", _name(options.rows)))
     folder = Path(options.folder)
     own = way.files(options)
-    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), versions(), own)
+    rows = plan(read_rows(options.rows, shared), lambda line: _row_of(line, way), versions(), own)
     rows = share_of(rows, options.share) if options.share else rows
     records = Records(folder)
     records.make_folders()
@@ -130,7 +130,7 @@ def _command():
     return [bpy.app.binary_path, "--background", "--command", "synch", "batch", "-"]
 
 
-def _understood(arguments, way):
+def _row_of(arguments, way):
     """The :class:`Row` of a command line."""
     options = way.parse(arguments)
     if options.command == "batch":

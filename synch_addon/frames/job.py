@@ -219,7 +219,8 @@ class AnimationJob:
         meshes.update(obj)
 
     def _split(self, obj, frames):
-        """Split the faces that cannot carry their defects in some frame; how polygons are afterwards."""
+        """Split the faces that cannot carry their defects in some frame; returns a function from polygons before to
+        polygons after."""
         unfit = [face_phases(frame.edge_phases, frame.polygons)[0].unfit for frame in frames]
         faces = meshes.can_be_split(obj, np.unique(np.concatenate(unfit)), self._base.polygons)
         if len(faces) == 0:

@@ -176,7 +176,7 @@ def _plain(obj, defect):
 
 
 def _at_faces(given, polygons, values):
-    """(p,) means in faces of the values of the mesh's triangles, be some faces split since or not."""
+    """(p,) means in faces of the values of the mesh's triangles, also after faces were split."""
     is_split = polygons is not given.polygons
     faces = meshes.faces_of_triangles(polygons, given.mesh.triangles) if is_split else polygons.triangle_faces
     count = len(polygons.starts)

@@ -277,7 +277,7 @@ def _smooth(trials: list[tuple[_Part, Patch]], mesh: TriangleMesh, chains: Chain
 
 
 def _split(together: QuadMesh, sizes: list[int], ways: Sequence[Patch]) -> list[QuadMesh]:
-    """Parts that were put together, with these numbers of vertices and these faces."""
+    """Divide a mesh of several parts into these: their numbers of vertices, and their patches, which have the faces."""
     ends = np.cumsum(sizes)[:-1]
     arrays = (np.split(values, ends) for values in (together.vertices, together.triangles, together.weights))
     return [
