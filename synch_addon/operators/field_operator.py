@@ -228,9 +228,9 @@ class _Taken:
                 self._draw_again("WINDOW")
 
     def say(self, line):
-        """Say in the status bar and in the panels how far the job is, and show each new picture at once.
+        """Show how far the job is, in the status bar and the panels, and each new picture at once.
 
-        Any drawing holds the window up: there is one at a time, unless the job holds it up anyway.
+        Drawing takes time from the user: status bar and panels take turns, unless the job holds the window anyway.
         """
         now = time.monotonic()
         if self._work.picture is not self._picture:

@@ -322,6 +322,13 @@ def test_the_panels_guide_is_what_the_button_follows():
     np.testing.assert_allclose(directions(obj) @ (-1, 2, 0), np.sqrt(5), rtol=1e-4)
 
 
+def test_values_of_the_guidance_keep_the_numbers_that_files_have():
+    items = grid().synch.bl_rna.properties["guidance"].enum_items
+    names = ["SMOOTH", *(name for name, *_ in GUIDE_ITEMS[:11]), "BLEND", *(name for name, *_ in GUIDE_ITEMS[11:])]
+    assert {item.identifier: item.value for item in items} == {"AUTOMATIC": 100} | {n: k for k, n in enumerate(names)}
+    assert names[11:13] == ["FILE", "BLEND"]
+
+
 def test_a_blend_is_kept_in_the_file_and_followed(tmp_path):
     obj = grid()
     obj.synch.guidance = "BLEND"
