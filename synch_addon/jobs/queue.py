@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The row of jobs that the window waits for: the first one runs, the others wait for their turn."""
+"""The queue of jobs of the window: the first one runs, the others wait for their turn."""
 
 import math
 import time

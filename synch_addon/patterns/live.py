@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live: what an object shows follows its settings, while they are dragged, curves that are drawn, and painted maps.
 
-A timer looks whether the settings of the active object ask for something else than it shows. The newest of them are
-solved for, from what is shown; until that is written, others wait, and what takes long is ended for them. When the hand
-rests, the pattern settles: a new one of less energy fades in, and a whole solve that starts from it takes its place.
+A timer compares the settings of the active object with those of the pattern that it shows. A job solves for the newest
+settings from the shown pattern. Until its result is written, further changes wait; a job that takes long is ended for
+them. Once nothing changes, the pattern settles: a new one of less energy fades in, then that of a whole solve from there.
 """
 
 import time

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an object shows, read back from its attributes: the pattern of a file that was opened again, or a favourite.
 
-Directions and phases at the vertices say it all: how the phases change along the edges follows from what the directions
-ask for there, which is what the solver was asked for. Fewer branches or singularities than those of the shape ask for
-something else, to which the constraints belong.
+Directions and phases at the vertices suffice: the changes of phases that the solve asked for along the edges follow from
+the directions. Where it asked for fewer branches or singularities than the shape has, they depend on the constraints,
+too.
 """
 
 from dataclasses import replace

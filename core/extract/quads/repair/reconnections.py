@@ -132,7 +132,7 @@ class Patch:
 
 
 def join_around(faces: np.ndarray, vertex: int) -> tuple[np.ndarray, list[int]] | None:
-    """(f - 1, 4) with the only two faces at a vertex joined, and its neighbours; None if that is no quad."""
+    """(f - 1, 4) with the only two faces at a vertex joined, and its neighbours; None if the result is not a quad."""
     rows, places = np.nonzero(faces == vertex)
     if len(rows) != 2:
         return None

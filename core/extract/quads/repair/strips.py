@@ -118,8 +118,8 @@ class _Strips:
         """(k,) strips whose change brings the number of faces nearer to the wanted one, the best first.
 
         ``missing`` is the wanted number less the present one. Strips that bring it near enough come first. Wide
-        strips are halved, and narrow ones removed. A strip that crosses itself, or ends at a face that is no
-        quad, is left out.
+        strips are halved, and narrow ones removed. A strip that crosses itself, or ends at a face that is not
+        a quad, is left out.
         """
         strips = self._rungs[self._faces][:, :2]
         count = self._rungs.max(initial=-1) + 1
