@@ -160,6 +160,7 @@ class Pieces:
         return self._rows[self._row_starts[numbers][owners] + places]
 
     def _piece(self, number: int) -> Piece:
+        """The :class:`Piece` of a number: its rows of the factor, in coordinates of its own."""
         block, numbers = self._block, np.array([number])
         rows = self.rows(numbers)
         whole = len(rows) == self._factor.shape[1]

@@ -259,6 +259,8 @@ class SynchronizationProblem:
 
     @cached_property
     def _embedding(self) -> _Embedding:
+        """Map nodes to columns: free nodes have one each, merged ones their root's, fixed ones the ground's of their
+        component."""
         count, labels = self.connection.node_count, self._components
         merged, fixed = self.merged, self.fixed
         free = np.ones(count, bool)

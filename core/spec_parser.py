@@ -46,6 +46,7 @@ def items(text: str, what: str, form: str) -> list[tuple[Any, ...]]:
 
 @cache
 def _pattern(form: str) -> re.Pattern[str]:
+    """The regular expression of an item, with a group for each part of the form and one for what ends the item."""
     names, has_value, _ = form.partition("=")
     *others, _ = names.split(":")
     parts = [_NAMES[0]] * len(others) + [_NAMES[1]]

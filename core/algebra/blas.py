@@ -61,6 +61,7 @@ class _Everywhere:
                 self._keeper.join()
 
     def _begin(self) -> None:
+        """Start the thread that limits BLAS, and wait until it has; it ends the limit when ``_ended`` is set."""
         ended, limited = Event(), Event()
         keeper = start_thread(_keep, limited, ended)
         try:
@@ -72,6 +73,7 @@ class _Everywhere:
 
 
 def _keep(limited: Event, ended: Event) -> None:
+    """Limit BLAS until ``ended`` is set; set ``limited`` once the limit holds."""
     try:
         with _limit():
             limited.set()

@@ -312,6 +312,7 @@ class Metric:
         return self._applied(self._sum, columns)
 
     def _applied(self, operator: Callable[[np.ndarray], np.ndarray], columns: np.ndarray) -> np.ndarray:
+        """Apply an operator for the scaled matrix to columns of the given one, in the metric's dtype."""
         vectors = columns.reshape(len(self._scale), -1)
         result = self._scaled_rows(operator(self._scaled_rows(vectors.astype(self.dtype, order="C"))))
         return result.reshape(columns.shape).astype(columns.dtype, copy=False)
@@ -322,6 +323,7 @@ class Metric:
         return columns
 
     def _cycle(self, right: np.ndarray, depth: int = 0) -> np.ndarray:
+        """Solve approximately at a depth by a V-cycle: damped Jacobi steps before and after the coarse correction."""
         if depth == len(self._steps):
             assert self._smallest is not None  # the metric is definite
             return self._smallest.solve(right).astype(self.dtype, order="C", copy=False)
@@ -334,6 +336,7 @@ class Metric:
         return guess
 
     def _sum(self, right: np.ndarray) -> np.ndarray:
+        """Add smoothing on the finest level and the V-cycle of the next one, which do not depend on each other."""
         if not self._steps:
             return self._cycle(right)
         step = self._steps[0]

@@ -80,6 +80,7 @@ class WarmProcess:
         _end(self._child)
 
     def _ready(self) -> _Child | None:
+        """The process for the next task, a new one after :data:`_TASKS` tasks; None once the batch has ended."""
         with self._lock:
             if self._is_ended:
                 return None
@@ -105,6 +106,7 @@ def _answer(child: _Child, task: Task) -> Answer | None:
 
 
 def _end_late(child: _Child, seconds: float, answered: Event, late: Event) -> None:
+    """Kill a child that has not answered after some seconds, and set ``late``."""
     if not answered.wait(seconds):
         late.set()
         child.kill()
@@ -118,6 +120,7 @@ def _dismiss(child: _Child | None) -> None:
 
 
 def _end(child: _Child | None) -> None:
+    """Let a child end by itself, kill it if it takes long, and close its output."""
     if child is not None:
         _dismiss(child)
         try:
@@ -131,6 +134,7 @@ def _end(child: _Child | None) -> None:
 
 
 def _describe_end(child: _Child) -> str:
+    """Why a child that closed its output has ended, for a message."""
     try:
         status = child.wait(_ENDING)
     except subprocess.TimeoutExpired:

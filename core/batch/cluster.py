@@ -88,6 +88,7 @@ class _WarmProcesses:
         self._all: defaultdict[_PoolKey, list[WarmProcess]] = defaultdict(list)
 
     def ask(self, key: _PoolKey, task: Task) -> Answer:
+        """Solve a task in a free process of its batch, or in a new one."""
         with self._lock:
             free = self._free[key]
             if not free:

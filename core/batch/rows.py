@@ -75,6 +75,7 @@ def _match_folder(pattern: str, shared: list[str]) -> Iterator[list[str]]:
 
 
 def _lines(path: Path) -> Iterator[list[str] | SettingError]:
+    """Rows of a file with one JSON object a line; in place of a row that cannot be read, its error."""
     with path.open("rb") as file:
         for number, line in enumerate(file, 1):
             if not line.strip():
@@ -93,6 +94,7 @@ def _decode_row(line: bytes) -> str:
 
 
 def _from_line(line: str) -> Iterator[list[str]]:
+    """The command lines of a row in JSON, one for each chunk of frames."""
     try:
         row = json.loads(line)
     except (ValueError, RecursionError) as error:

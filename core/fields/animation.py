@@ -21,7 +21,7 @@ from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
 
 
-def is_moved(mesh: TriangleMesh, other: TriangleMesh) -> bool:
+def has_same_triangles(mesh: TriangleMesh, other: TriangleMesh) -> bool:
     """Whether a mesh has the triangles of another, so that it may be the same one after a motion."""
     return mesh.vertex_count == other.vertex_count and np.array_equal(mesh.triangles, other.triangles)
 
@@ -32,7 +32,7 @@ def carry_angles(angles: np.ndarray, mesh: TriangleMesh, moved: TriangleMesh) ->
     At each vertex they turn as its edges do on average, weighted by their lengths before and after: not at all in a
     rigid motion, and otherwise by the rotation nearest to the deformation of the tangent plane.
     """
-    if not is_moved(mesh, moved):
+    if not has_same_triangles(mesh, moved):
         raise SettingError("a field is carried between meshes of different triangles: solve it afresh")
     before, after = (m.edge_lengths[:, None] * np.exp(1j * m.edge_directions) for m in (mesh, moved))
     return angles + np.angle(sum_by(mesh.edges.ravel(), (after * before.conj()).ravel(), len(angles)))

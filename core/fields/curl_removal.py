@@ -111,7 +111,7 @@ def remove_holonomy(
     known: np.ndarray | None = None,
     rough: bool = False,
 ) -> CurlRemoval:
-    """The correction of changes with (c,) weights that takes (s,) sums out; an approximate one where ``rough``.
+    """The correction of changes with (c,) weights that makes their (s,) sums 0; an approximate one where ``rough``.
 
     ``known`` are (c,) changes known from constraints less the target changes, nan where unknown.
     """
@@ -143,7 +143,7 @@ def remove_varying(
 
 
 def _inverse_weights(weights: np.ndarray, known: np.ndarray | None) -> np.ndarray:
-    """(c,) how freely changes vary: not at all where they are known."""
+    """(c,) inverse weights of the changes: 0 for known ones, which do not vary."""
     inverse_weights = 1 / np.maximum(weights, SMALLEST_WEIGHT)
     if known is not None:
         inverse_weights[~np.isnan(known)] = 0
@@ -216,6 +216,7 @@ def keep_factors() -> Iterator[None]:
 
 
 def _factors(matrix: csr_matrix) -> SuperLU:
+    """Factorize a matrix, or return the factors that :func:`keep_factors` keeps of an equal one."""
     kept = _kept.get() or []
     for known, factors in kept:
         if known.shape == matrix.shape and known.nnz == matrix.nnz and abs(known - matrix).max() == 0:

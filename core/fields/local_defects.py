@@ -72,8 +72,8 @@ def add_stripe(pattern: Pattern, triangle: int) -> Pattern:
 
 
 def _carry(pattern: Pattern, start: int, tries: Sequence[tuple[int, np.ndarray]], place: int) -> Pattern:
-    """The pattern of least energy of several tries: a triangle, and (k,) numbers that are added in ``start`` and taken
-    from there.
+    """The pattern of least energy of several tries: each adds (k,) numbers to the triangle ``start`` and subtracts them
+    from another triangle.
 
     Around ``place``, one of the triangles, the edges share the changes evenly, so that none exceeds half a turn.
     """
@@ -102,7 +102,7 @@ def _carry(pattern: Pattern, start: int, tries: Sequence[tuple[int, np.ndarray]]
 
 
 def _paths(pattern: Pattern, start: int, ends: Sequence[int]) -> list[np.ndarray]:
-    """Triangles that lead from one to each of some, each beside the next, around those with a swirl point."""
+    """Shortest paths of adjacent triangles from one to each of the ends, without triangles with a swirl point."""
     mesh, (_, torn) = pattern.mesh, pattern.edge_phases.dislocations
     centres = mesh.vertices[mesh.triangles].mean(axis=1)
     first, second = np.arange(len(mesh.twins)) // 3, mesh.twins // 3

@@ -31,6 +31,7 @@ def variation(pattern: _Field, number: int) -> _Field:
 
 
 def _varied_phases(pattern: Pattern | SolvedField, number: int) -> np.ndarray:
+    """The phases of :func:`variation`."""
     ready = pattern.solution.variations
     if number < len(ready):
         return ready[number]
@@ -84,6 +85,7 @@ def move_defects(pattern: Pattern, triangles: np.ndarray, targets: np.ndarray) -
 
 
 def _with_line_end(pattern: Pattern, vertex: int) -> Pattern:
+    """The pattern with a line end in a triangle at a vertex, the first in which one fits; SettingError without one."""
     refused = f"no line end fits beside {name_elements('vertex', [vertex])}: choose others nearby"
     for triangle in np.flatnonzero((pattern.mesh.triangles == vertex).any(axis=1)).tolist():
         try:

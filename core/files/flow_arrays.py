@@ -74,6 +74,8 @@ def _bare(name: str, shape: tuple[int, ...]) -> str:
 
 
 def _flow_of_arrays(path: Path, arrays: dict[str, Any], attribute: str) -> GridFlow:
+    """Choose the arrays of the flow by their names and shapes, and resample them on an even grid; SettingError names
+    what is missing."""
     component = {n: axis for n, a in arrays.items() if (axis := _component_axis(n, a.shape)) is not None}
     numbers = [n for n, a in arrays.items() if len(a.shape) in (2, 3, 4) and n not in component]
     chosen, is_curl, warnings = choose_flow(path, list(component), numbers, attribute, may_be_level=True)

@@ -85,6 +85,7 @@ class OtherFile:
 
 
 def _read_image(path: Path, attribute: str) -> GridFlow:
+    """Read a .vti file: the first vectors at points, or else in cells, on axes that are not turned."""
     root, appended = vtu_root(path, read_bytes(path, TEXT_BYTES), "ImageData")
     image = next(root.iter("ImageData"))
     pieces = list(image.iter("Piece"))
@@ -156,6 +157,7 @@ def _read_mesh(path: Path, attribute: str) -> GridFlow | SampledFlow:
 
 
 def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | SampledFlow:
+    """Read a VTK file; images and rectilinear grids as they are, other meshes as a function to sample."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         warnings.simplefilter("error", UserWarning)  # pyvista's form of what VTK reports
@@ -193,6 +195,7 @@ def _by_pyvista(pyvista: ModuleType, path: Path, attribute: str) -> GridFlow | S
 
 
 def _by_meshio(path: Path, attribute: str) -> SampledFlow:
+    """Read a mesh without pyvista; the flow is interpolated between all its points."""
     meshio = library("meshio", f"{path.suffix} is")
     from scipy.interpolate import LinearNDInterpolator
 

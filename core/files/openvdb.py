@@ -46,6 +46,7 @@ def check_vdb_sizes(path: Path) -> None:
 
 
 def _check_grid(reader: "_Reader", begin: int, kind: str) -> None:
+    """Compare the numbers of tiles and children of the grid at a byte with the bytes that are left."""
     reader.seek(begin)
     reader.number()  # how it is compressed
     reader.metadata()

@@ -43,6 +43,7 @@ def read_vectors(path: str | Path, name: str = "") -> SolidVectors:
 
 
 def _read(path: Path, name: str) -> SolidVectors:
+    """As :func:`read_vectors`; errors of the format may be of other types."""
     content = read_bytes(path, TEXT_BYTES)
     is_vtu = path.suffix.lower() == ".vtu"
     mesh, _, own = read_numbered_tets(path if is_vtu else path.with_suffix(".mesh"))

@@ -141,6 +141,7 @@ def medit_rows(name: str, text: str, width: int) -> np.ndarray:
 
 
 def _read_vtu(path: Path, content: bytes) -> _Read:
+    """Read points, tetrahedra, triangles and numbers of the triangles from all pieces of a .vtu file."""
     root, appended = vtu_root(path, content)
     points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
     count, marks = 0, []

@@ -204,6 +204,8 @@ class VolumeFile:
             return self._read(vdb)
 
     def _read(self, vdb: ModuleType) -> VoxelFlow:
+        """Read the box of active voxels of the flow's grids; each component with its own transform, as they may be
+        staggered."""
         path = self.path
         try:
             with self._limited():

@@ -84,8 +84,8 @@ class NearestTriangles:
     def nearest_facing(
         self, points: np.ndarray, normals: np.ndarray, nearby: bool = False
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Find as :meth:`nearest` on the sheet of a thin surface whose triangles look along (k, 3) normals; as
-        :meth:`nearby` where this is said."""
+        """Find as :meth:`nearest`, or as :meth:`nearby` if asked, on the sheet of a thin surface whose triangles look
+        along (k, 3) normals."""
         places, found = self.nearby(points) if nearby else self.nearest(points)
         behind = np.flatnonzero(np.einsum("px,px->p", self._normals[found], normals) < 0)
         axes = np.abs(normals[behind]).argmax(axis=1)

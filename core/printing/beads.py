@@ -129,7 +129,7 @@ def plane_beads(surfaces: LayerSurfaces, values: np.ndarray, step: float) -> Bea
 def _without_crowded(
     lines: Isolines, layers: np.ndarray, level: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], step: float
 ) -> tuple[Isolines, np.ndarray]:
-    """Lines and their layers without long parts that lie beside :func:`level_pieces` which one bead fills."""
+    """Lines and their layers without long parts beside :func:`level_pieces` where only one bead fits."""
     begins, ends, of, ways = level
     near = ways < _CROWDED
     beside = (_CROWDED + _OTHER) * step

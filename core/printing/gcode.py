@@ -54,7 +54,7 @@ class Course:
 
     @property
     def ways(self) -> np.ndarray:
-        """(k,) length of the tip's way up to each point of all runs, and one more for each bead before."""
+        """(k,) length of the tip's way up to each point of all runs; the step to the next run counts as 1."""
         order, first = np.concatenate(self.runs), np.cumsum([len(run) for run in self.runs])[:-1]
         steps = piece_lengths(self.points[order])
         steps[first - 1] = 1
@@ -257,6 +257,7 @@ class _Moves:
 
     @classmethod
     def of(cls, course: Course, machine: Machine) -> Self:
+        """Turn the beads of a course into moves: tilt, divide, simplify, and time them."""
         order, sizes = np.concatenate(course.runs), np.array([len(run) for run in course.runs])
         points, axes = course.points[order], course.axes[order]
         first = np.zeros(len(order), bool)
@@ -310,8 +311,8 @@ class _Moves:
         return cls(places, angles, points, filament, feeds, sizes, begins, along, ends, speeds, reach, facts)
 
     def clearances(self, course: Course, machine: Machine) -> np.ndarray:
-        """(l,) how far what is printed near the way to each bead's begin reaches above the ends of this way, along the
-        tool; infinite for long ways."""
+        """(l,) heights, along the tool, by which earlier material near the travel to each bead rises above both ends of
+        the travel; infinite for long travels."""
         ends, first = self.begins[1:-1] - 1, self.begins[1:-1]
         along = np.diff(self.points, axis=0)
         counts = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / course.step).astype(int), 1)

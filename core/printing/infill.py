@@ -86,7 +86,7 @@ def _diagonals(surfaces: LayerSurfaces, apart: float) -> tuple[Isolines, np.ndar
 
 
 def _even(mesh: TriangleMesh, values: np.ndarray) -> np.ndarray:
-    """(n,) values that change along the layers' own directions of (n,) given ones, but by one per length everywhere.
+    """(n,) values whose gradient on the layers has about the direction of that of (n,) given ones, and length 1.
 
     The least of the integral of |grad f - g|^2, where g is the unit vector along the given values' gradient; then f is
     scaled in each connected piece so that the mean of |grad f| is one, and lines at its multiples have the length that

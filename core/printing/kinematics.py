@@ -102,7 +102,8 @@ def _along(x: np.ndarray, y: np.ndarray, turns: np.ndarray, machine: Machine) ->
 
 
 def _unwrapped(turns: np.ndarray, known: np.ndarray, begins: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Turns that change by less than a quarter within each bead, up to halves; interpolated where not known."""
+    """(n,) angles, radians, that are known up to multiples of pi, made continuous within each bead; interpolated where
+    not known."""
     result = np.zeros(len(turns))
     for begin, size in zip(begins.tolist(), np.asarray(sizes).tolist(), strict=True):
         at = begin + np.flatnonzero(known[begin : begin + size])

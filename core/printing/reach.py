@@ -118,8 +118,8 @@ class _Cubes:
     def in_cones(
         self, tips: np.ndarray, axes: np.ndarray, numbers: np.ndarray, far: np.ndarray, slack: float, machine: Machine
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs of one of (n, 3) tips with their (n,) numbers and the number of an earlier place: all that are in the
-        tool's cone, higher than a slack and no farther than (n,) lengths, and some that are near it."""
+        """Find pairs of a tip, of (n, 3), and an earlier place, of a number below the tip's (n,) number: all that are
+        in the tool's cone, higher than a slack and no farther than (n,) lengths, and some that are near it."""
         angle = np.radians(machine.nozzle_angle)
         which = np.arange(len(tips)) if self.levels else np.zeros(0, int)
         found = np.zeros(len(which), int)

@@ -82,6 +82,7 @@ class _Inbox:
         return "" if word == "solve" else word
 
     def _take(self) -> None:
+        """Wait for bytes of the parent, and add the messages that they complete."""
         try:
             for message in self._unpacker.feed(self._chunks.get()):
                 self._messages.append(message)

@@ -98,6 +98,7 @@ class Unpacker:
         return messages
 
     def _without_noise(self, data: bytes | memoryview) -> bytes | memoryview:
+        """The bytes from the first parcel on; empty while none has begun."""
         if self._noise is None:
             return data
         self._noise += data
@@ -147,6 +148,7 @@ class Unpacker:
         return int(_NUMBER.unpack_from(self._head, len(MARK) + _NUMBER.size * place)[0])
 
     def _unpack(self) -> Any:
+        """The message of the complete parcel; the next one begins."""
         body, sizes = memoryview(self._body), self._sizes or []
         starts = accumulate(map(_padded, sizes), initial=0)
         parts = [body[start : start + size] for start, size in zip(starts, sizes, strict=False)]

@@ -75,7 +75,8 @@ def _projections(lifted: np.ndarray, rank: int, count: int, random: np.random.Ge
 def _descend_from(
     piece: Piece, points: list[np.ndarray], tolerance: float, is_rough: bool, monitor: Monitor
 ) -> np.ndarray:
-    """(N, r) the lowest of what descents from (N, r) points reach before time runs out."""
+    """(N, r) the lowest field that descents from (N, r) points reach before time runs out. Unless rough, several points
+    are tried on the stage's matrix first, and the best goes on to the full tolerance on the whole one."""
     scaled, _ = piece.scaled()
     best, least = points[0], np.inf
     with suppress(OutOfTime):

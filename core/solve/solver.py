@@ -76,6 +76,7 @@ def _solve(
     start: Solution | np.ndarray | None,
     show: Callable[[Solution], object] | None,
 ) -> Solution:
+    """As :func:`solve`, after checks: small or perfect pieces together, then the others one by one."""
     clock = Clock()
     if options.method == "sdp":
         check_problem_memory(problem)
@@ -179,6 +180,7 @@ def _without_search(task: Task, status: Status) -> PartResult:
 
 
 def _solve_by_method(task: Task) -> PartResult:
+    """Solve one piece by the method of its options."""
     method = task.options.method
     if method == "spectral":
         return _solve_spectral(task)

@@ -75,7 +75,8 @@ class Follower:
         return combine(problem, results, options, clock.seconds)
 
     def _scaled(self, number: int, problem: SynchronizationProblem) -> Piece:
-        """A piece, scaled; from the third problem on that differs in angles only, its factor is of an earlier one."""
+        """A piece, scaled. Problems that follow one which differs in angles only share its factor and the layout of its
+        matrix."""
         if not self._repeats:
             self._matrices.pop(number, None)
         if number in self._matrices:
@@ -89,6 +90,7 @@ class Follower:
         return piece
 
     def _descend(self, number: int, piece: Piece, start: Start, monitor: Monitor) -> PartResult:
+        """Descend in single precision from the start, on a scaled piece."""
         assert start.column is not None
         spheres = fields_of(piece)
         column = spheres.normalize(start.column)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import Cancelled, SynchError
 from ..fields import Pattern
-from ..fields.animation import is_moved
+from ..fields.animation import has_same_triangles
 from ..geometry import TriangleMesh
 from ..geometry.polygons import Polygons
 from ..interpolate import EdgePhases
@@ -43,12 +43,12 @@ class FramesRequest:
         mesh = first.given.mesh
         expect(progress, solve_seconds(first.command, first.settings, mesh.vertex_count, len(self.requests)))
         found = whole = self._solve_frame(self.frames[0], first, None, portion(progress, 0.0, FIRST_FRAME / work))
-        kept = [_keep_shown(self.frames[0], first, found, None, mesh)]
+        kept = [_make_frame(self.frames[0], first, found, None, mesh)]
         for place in range(1, len(self.requests)):
             number, request, before = self.frames[place], fresh(self.requests[place]), found
             part = portion(progress, (FIRST_FRAME + place - 1) / work, 1 / work)
             found = self._solve_frame(number, request, before, part)
-            kept.append(_keep_shown(number, request, found, before, mesh))
+            kept.append(_make_frame(number, request, found, before, mesh))
         return FramesResult(tuple(kept), whole)
 
     def _solve_frame(
@@ -56,7 +56,7 @@ class FramesRequest:
     ) -> PatternResult:
         """Directions and pattern of a frame, from those of the previous frame if that has the same triangles."""
         ask = None if progress is None else _name_frames(progress, number)
-        if before is not None and not is_moved(before.field.mesh, request.given.mesh):  # other edges were cut
+        if before is not None and not has_same_triangles(before.field.mesh, request.given.mesh):  # other edges were cut
             before = None
         of_field, of_pattern = portion(ask, 0.0, 0.4), portion(ask, 0.4, 0.6)
         try:
@@ -114,11 +114,12 @@ def fresh(request: SurfaceRequest) -> SurfaceRequest:
     return request.on_mesh(replace(given, mesh=mesh, uncut=uncut))
 
 
-def _keep_shown(
+def _make_frame(
     number: int, request: SurfaceRequest, found: PatternResult, before: PatternResult | None, shared: TriangleMesh
 ) -> Frame:
+    """The :class:`Frame` of a result; its phases refer to the first frame's mesh if that has the same triangles."""
     phases = found.pattern.edge_phases
-    if is_moved(shared, phases.mesh):
+    if has_same_triangles(shared, phases.mesh):
         phases = replace(phases, mesh=shared)
     figures = {
         "frame": number,

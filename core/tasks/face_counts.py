@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of the quad meshes that were tried is taken for a wanted number of faces, and the spacings to try."""
+"""Chooses among quad meshes that were tried for a wanted number of faces, and the spacings to try."""
 
 from collections.abc import Callable
 from contextlib import suppress

@@ -56,6 +56,7 @@ class LiveRequest:
         return (self._settled(progress) if self.settles else self._next(progress)).with_figures()
 
     def _next(self, progress: Callback | None) -> PatternResult:
+        """The pattern of a step: descent from what is shown, for directions and pattern."""
         of_field, of_pattern = self.followers
         if self.turns_only:
             directions = self.field.turned(self.asked.turn - self.field.turn)
@@ -64,6 +65,7 @@ class LiveRequest:
         return self.asked.next_along(directions, self.phases, portion(progress, 0.4, 0.6), follower=of_pattern)
 
     def _settled(self, progress: Callback | None) -> PatternResult:
+        """The pattern of a search: ANEW along the shown directions, NEAR from the shown directions and phases."""
         asked, options = self.asked, self.asked.options
         if self.settles == ANEW:
             if options.method == "sdp":

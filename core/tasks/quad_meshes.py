@@ -155,6 +155,7 @@ def _keeps_handles(request: "SurfaceRequest", result: SurfaceResult, other: Surf
 def _try(
     request: "SurfaceRequest", progress: Callback | None, tried: dict[int, float]
 ) -> tuple[SurfaceResult, _LostLines] | None:
+    """As :func:`_solve`; None if the settings cannot be met."""
     try:
         return _solve(request, progress, tried)
     except SettingError:
@@ -290,6 +291,7 @@ def _scale_spacing(request: "SurfaceRequest", factor: float) -> "SurfaceRequest"
 
 
 def _about_faces(request: "SurfaceRequest", wanted: int, count: int) -> Iterator[str]:
+    """A warning where the number of faces is far from the wanted one."""
     if abs(count / wanted - 1) <= FAR:
         return
     mesh = request.given.mesh

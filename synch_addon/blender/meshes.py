@@ -192,7 +192,7 @@ def can_be_split(obj, faces, surface):
 
 
 def _shown(surface):
-    """(p,) the face whose pattern each face shows: itself, or the one that it duplicates."""
+    """(p,) the face whose triangles are drawn for each face: itself, or the one that it duplicates."""
     return surface.at_faces(np.arange(len(surface.starts)))
 
 

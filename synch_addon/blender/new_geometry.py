@@ -63,6 +63,7 @@ def add_spline(data, points, kind="POLY", is_closed=False):
 
 
 def _fill(data, points, corners, sizes, smooth):
+    """Fill an empty mesh: (n, 3) points, the corners' vertices face by face, and (f,) numbers of corners."""
     data.vertices.add(len(points))
     data.loops.add(len(corners))
     data.polygons.add(len(sizes))

@@ -60,6 +60,7 @@ def carry_groups(source, made, parents, weights):
 
 
 def _carry_attributes(source, made, bound):
+    """Carry all but the pattern's attributes from the source to the finer mesh made of it."""
     edges = _edge_numbers(made, bound.edge_vertices)
     for attribute in list(source.data.attributes):
         name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
@@ -102,8 +103,8 @@ def _edge_numbers(made, pairs):
 
 
 def _at_edges(values, edges, count):
-    """Values at all edges of a mesh: zero, or no text, inside faces of the source; where edges were joined, marked if
-    one was."""
+    """Values at all edges of a mesh from those of the source's edges: zero, or no text, inside its faces; an edge
+    joined from several is marked if one of them is."""
     result = np.full((count, *values.shape[1:]), b"" if values.dtype == object else 0, values.dtype)
     if values.dtype == bool:
         result[edges[values]] = True

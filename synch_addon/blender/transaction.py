@@ -128,6 +128,7 @@ def drop(block, key):
 
 
 def _keep_property(block, key):
+    """Restore a custom property with its limits, or remove it where there was none, if the work fails."""
     if key not in block:
         undone_by(block, lambda: block.pop(key, None))
         return

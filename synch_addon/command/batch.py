@@ -76,7 +76,7 @@ def run(options, way, shared, progress):
 
 
 def _cluster(*arguments):
-    """The workers of a Dask scheduler; the extension, which uses no network, is packed without them."""
+    """The :class:`Cluster` of a Dask scheduler; the packed extension, which uses no network, has no such module."""
     try:
         from ...core.batch.cluster import Cluster
     except ImportError:
@@ -85,6 +85,7 @@ def _cluster(*arguments):
 
 
 def _run(options, way, shared, progress):
+    """Run the rows that are not done, then write tables and the contact sheet, unless it is a share of a batch."""
     for name, least in (("jobs", 1), ("threads", 1), ("retries", 0)):
         if getattr(options, name) < least:
             raise SettingError(f"--{name} is {getattr(options, name)}: give a number from {least} on")
@@ -94,7 +95,7 @@ def _run(options, way, shared, progress):
     options.folder = options.folder or str(Path("out", _name(options.rows)))
     folder = Path(options.folder)
     own = way.files(options)
-    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), versions(), own)
+    rows = plan(read_rows(options.rows, shared), lambda line: _row_of(line, way), versions(), own)
     rows = share_of(rows, options.share) if options.share else rows
     records = Records(folder)
     records.make_folders()
@@ -129,7 +130,7 @@ def _command():
     return [bpy.app.binary_path, "--background", "--command", "synch", "batch", "-"]
 
 
-def _understood(arguments, way):
+def _row_of(arguments, way):
     """The :class:`Row` of a command line."""
     options = way.parse(arguments)
     if options.command == "batch":

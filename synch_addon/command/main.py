@@ -92,7 +92,8 @@ def _serve(of_rows):
 
 
 def _at_dashes(arguments):
-    """A command line, and what stands after two dashes in one of ``batch``: the command of its rows."""
+    """Split a command line of ``batch`` at two dashes: its own arguments, and the command for its rows. Others stay
+    whole."""
     if arguments[:1] != ["batch"] or "--" not in arguments:
         return arguments, []
     place = arguments.index("--")

@@ -28,6 +28,7 @@ def add_settings(command, kind, name, **defaults):
 
 
 def _add_flag(command, setting, record, of_type, default):
+    """Add the flag of a setting: a switch, a choice, several numbers, or one value in the record's unit."""
     flag, tip = f"--{(record.flag or setting).replace('_', '-')}", _help(record)
     if of_type is bool:
         command.add_argument(flag, dest=setting, action="store_true", help=tip)

@@ -70,7 +70,7 @@ def choose_point(
     if any(found.mode != "OBJECT" for found in present):
         raise SynchError(f"{obj.name} is being edited: leave its edit mode")
     look = {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
-    settings = replace(_shown(obj, solved.settings), **look, point=point)
+    settings = replace(_with_present_look(obj, solved.settings), **look, point=point)
     result = solved.result.show_again(settings)
     with whole_or_nothing():
         filled = solved.fill(result, settings, present)
@@ -83,11 +83,11 @@ def slide(obj):
     try:
         choose_point(obj, tuple(look.point), opening=look.opening, smoothing=look.smoothing)
     except SynchError:
-        _set_sliders(look, _shown(obj, memory.flows.get(obj).settings), look.result)
+        _set_sliders(look, _with_present_look(obj, memory.flows.get(obj).settings), look.result)
 
 
-def _shown(obj, settings):
-    """The settings of a solve with the object's present look, which an undo may have changed."""
+def _with_present_look(obj, settings):
+    """The settings of a solve with the look that the object has now: an undo may have changed it."""
     if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
         return settings
     return replace(settings, **obj.synch_vortices.figures.get("look", {}))

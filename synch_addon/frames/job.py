@@ -190,6 +190,8 @@ class AnimationJob:
         }
 
     def _write(self, obj, frames, spacing):
+        """Write the attributes of all frames, the first frame's under their plain names too, and the nodes that play
+        them."""
         remove_former(obj)
         corners = self._split(obj, frames)
         own = frame_attributes.frame_layout(self._span.pattern)
@@ -217,7 +219,8 @@ class AnimationJob:
         meshes.update(obj)
 
     def _split(self, obj, frames):
-        """Split the faces that cannot carry their defects in some frame; how polygons are afterwards."""
+        """Split the faces that cannot carry their defects in some frame; returns a function from polygons before to
+        polygons after."""
         unfit = [face_phases(frame.edge_phases, frame.polygons)[0].unfit for frame in frames]
         faces = meshes.can_be_split(obj, np.unique(np.concatenate(unfit)), self._base.polygons)
         if len(faces) == 0:
@@ -244,6 +247,7 @@ def _at_present(obj):
 
 
 def _request(obj, frame, settings, span, base):
+    """The request of a frame, which is the scene's present one; SynchError where the faces differ from the base's."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if not meshes.has_faces(meshes.read_polygons(evaluated), base):
         modifier = _changing(obj, base)

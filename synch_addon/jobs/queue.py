@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The row of jobs that the window waits for: the first one runs, the others wait for their turn."""
+"""The queue of jobs of the window: the first one runs, the others wait for their turn."""
 
 import math
 import time
@@ -328,6 +328,7 @@ class Queue:
         return _LOOK
 
     def _solve(self, work):
+        """Send a work to the child if it is not there yet, then handle the child's messages; errors end the work."""
         try:
             if self._asked is not work:
                 limit = memory_limit()

@@ -114,7 +114,7 @@ class Worker:
         self._child.stdout.close()
 
     def _goes_on(self, end):
-        """Wait for a pipe with a message under way until ``end``; returns whether it can be read or written."""
+        """Wait until ``end`` for the pipe of a message that has begun; returns whether it can be read or written."""
         if sys.platform == "win32" or not (self._outgoing or self._unpacker.is_amid):
             return False
         outgoing = [self._input] if self._outgoing else []
@@ -162,6 +162,7 @@ class Worker:
         return True
 
     def _last_words(self):
+        """Why the child has ended, for the user."""
         try:
             status = self._child.wait(_FAREWELL)
         except subprocess.TimeoutExpired:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group "Synch Beads": tubes of beads, as far as they are printed at a share of the time."""
+"""The node group "Synch Beads": tubes of the beads that have been printed after a share of the time."""
 
 import bpy
 

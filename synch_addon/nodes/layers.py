@@ -66,7 +66,7 @@ def open_layers_group():
     box = canvas.node("GeometryNodeBoundBox", 1, "", {"Geometry": inputs["Geometry"]})
     low, high = (canvas.separate(Expression(canvas, box.outputs[side], 1))[0] for side in ("Min", "Max"))
     x, _, _ = canvas.separate(canvas.value("GeometryNodeInputPosition", "Position"))
-    # A little more than nothing, so that nothing goes where both are 0.
+    # The margins keep all faces where both sliders are 0.
     is_cut = (x > high - (high - low) * (inputs["Cut Open"] - 1e-4)).named("cut away?")
     is_peeled = (layer > last - (last + 1.0) * inputs["Peel"] + 1e-3).named("peeled?")
     gone = is_cut.maximum(is_peeled)

@@ -92,8 +92,8 @@ def filaments_group() -> bpy.types.GeometryNodeTree:
 
 
 def _around(canvas, curves, radius, sides):
-    """Tubes of a radius around curves: it is the curves' own first, which some versions of the last node read, and
-    others take as a scale."""
+    """Tubes of a radius around curves. The radius is also stored on the curves: some versions of Curve to Mesh read it
+    there, others take it as a scale."""
     thick = canvas.value("GeometryNodeSetCurveRadius", 0, "", {"Curve": curves, "Radius": radius})
     circle = canvas.value("GeometryNodeCurvePrimitiveCircle", "Curve", "", {"Resolution": sides, "Radius": 1.0})
     tubes = canvas.value("GeometryNodeCurveToMesh", "Mesh", "", {"Curve": thick, "Profile Curve": circle})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the operators share that solve: poll, settings from the panel, progress, errors as one line.
 
-From a script such an operator runs to its end. From the window it puts a job into the row and waits beside all else
-that the user does: nothing but Esc over the 3D view is kept from Blender, and the result is written when it is there.
+From a script such an operator runs to its end. From the window it queues a job and stays modal until the result is
+written; meanwhile all events but Esc over the 3D view go on to Blender.
 """
 
 import time
@@ -28,7 +28,7 @@ from .ready import ReadyOperator
 
 _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
-# Seconds between two looks at the row of jobs.
+# Seconds between two looks at the queue.
 _TICK = 0.05
 # Seconds between two drawings of how far a job is, in turns in the status bar and in the panels.
 _TURN = 0.25
@@ -63,7 +63,7 @@ class Click:
 
 
 class BackgroundOperator:
-    """Mixed into an operator that solves: blocking from a script, in the row of jobs from the window.
+    """Mixed into an operator that solves: blocking from a script, queued from the window.
 
     A subclass says what it runs: ``_take`` (its settings from where the panel keeps them), ``_job`` (reads the scene,
     see :mod:`..jobs.job`), ``_headline`` (says what was found).
@@ -193,7 +193,7 @@ class BackgroundOperator:
         obj = link.present
         if obj is None or obj.mode == "OBJECT":
             return None
-        # Edit mode is left for a moment, which others may be in the way of.
+        # Edit mode has to be left, which is not possible while another modal operator works.
         is_free = obj.mode == "EDIT" and bpy.context.view_layer.objects.active == obj and not _others_at_work(context)
         return None if is_free else translate("the result waits for object mode of {name}", name=obj.name)
 
@@ -228,9 +228,9 @@ class _Taken:
                 self._draw_again("WINDOW")
 
     def say(self, line):
-        """Say in the status bar and in the panels how far the job is, and show each new picture at once.
+        """Show how far the job is, in the status bar and the panels, and each new picture at once.
 
-        Any drawing holds the window up: there is one at a time, unless the job holds it up anyway.
+        Drawing takes time from the user: status bar and panels take turns, unless the job holds the window anyway.
         """
         now = time.monotonic()
         if self._work.picture is not self._picture:

@@ -113,7 +113,7 @@ class PickingOperator(ReadyOperator):
         context.workspace.status_text_set("   ".join(filter(None, (line, translate(self.hint)))))
 
     def _pick(self, context, event, obj, is_moved):
-        """What was done may be refused in one line, and stays as it was then."""
+        """Pick, and report a refusal in one line; the scene then stays as it was."""
         ray = ray_under(context, (event.mouse_region_x, event.mouse_region_y), obj)
         try:
             done = self.pick(obj, self._surface, ray, is_moved)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first result of a job that goes on, drawn over its object or as lines; the scene is not changed."""
+"""Early pictures: the first result of a running job, drawn over its object or as lines; the scene is not changed."""
 
 import bpy
 import gpu

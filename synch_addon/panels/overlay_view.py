@@ -153,7 +153,7 @@ def shown_object(context):
 
 
 def key(obj):
-    """What the parts of an object depend on: equal as long as they need not be computed again."""
+    """A value that stays equal while the drawn parts of an object need not be computed again."""
     linear = np.array(obj.matrix_world.to_3x3())
     scale = linear.T @ linear
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0

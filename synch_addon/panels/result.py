@@ -118,8 +118,7 @@ def _found(context):
 
 
 def draw_nothing_found(layout, obj):
-    """Say that there is no result, but a pattern in each frame, or of which object the layers are that this one
-    shows."""
+    """Say that an object has no result, that it is animated, or whose layers it shows."""
     solid = solid_of(obj)
     if any(map(shows_frames, obj.modifiers)):
         layout.label(text="Animated: a new solve replaces it", icon="INFO")
@@ -141,7 +140,7 @@ def draw_shown_defects(layout, obj, overlay):
 
 
 def draw_cost(layout, obj, result):
-    """How much more energy what is shown has than the solution of the same solve, in a line that is always there."""
+    """Draw by how much the shown variation has more energy than the solution; the line is always there."""
     solved = memory.solve_of(obj)
     best = solved.shown.solution
     if best is not None and best.energy > 0:
@@ -164,7 +163,7 @@ def draw_quad_figures(layout, obj, result):
 
 
 def draw_findings(layout, findings):
-    """A button for each kind of place where the surface that was solved on is not the mesh, by how many there are."""
+    """Draw a button for each kind of difference between the mesh and the surface that was solved on, with its count."""
     column = layout.column(align=True)
     for name, count in findings.items():
         text = translate(FINDINGS[name], count=count)

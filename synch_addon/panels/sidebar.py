@@ -82,7 +82,7 @@ def draw_share(column, settings, name):
 
 
 def draw_guide(column, made):
-    """What lines follow, beyond what stands on top; of a quad mesh these settings are those of its source."""
+    """Draw what lines follow, beyond the settings on top; for a quad mesh, those of its source."""
     obj = original_of(made)
     settings = obj.synch
     if obj.synch_simple.direction != "STROKES":

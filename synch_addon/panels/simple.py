@@ -43,11 +43,12 @@ _ESTIMATE_ERROR = 0.1
 
 
 def _get_direction(simple):
+    """The number of the menu's direction that the guidance and angle of an object agree with; the last for others."""
     stored = simple.id_data.synch
     if simple.others:
         return len(_DIRECTIONS)
     for number, (name, (guidance, angle)) in enumerate(_DIRECTIONS.items()):
-        # Nothing moves under a dragged angle, so a turn leaves the direction; but along an axis is not around it.
+        # The menu must not change while the angle is dragged: any fits, but for entries with an angle any except 0.
         if stored.guidance == guidance and (angle == 0 or stored.angle != 0):
             return number if name != "SMOOTH" or not simple.draws else list(_DIRECTIONS).index("STROKES")
     return len(_DIRECTIONS)
@@ -88,7 +89,8 @@ def _set_lines(simple, count):
 
 
 def _set_automatic(simple, is_automatic):
-    """Off, the spacing stays what it was: the solved one where the estimate for the mesh of now is close to it."""
+    """Switch the automatic spacing. Off, it keeps the solved spacing if the mesh still suggests about that one, else
+    the estimate."""
     obj = simple.id_data
     if is_automatic:
         obj.synch.automatic_spacing = True

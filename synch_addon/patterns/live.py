@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live: what an object shows follows its settings, while they are dragged, curves that are drawn, and painted maps.
 
-A timer looks whether the settings of the active object ask for something else than it shows. The newest of them are
-solved for, from what is shown; until that is written, others wait, and what takes long is ended for them. When the hand
-rests, the pattern settles: a new one of less energy fades in, and a whole solve that starts from it takes its place.
+A timer compares the settings of the active object with those of the pattern that it shows. A job solves for the newest
+settings from the shown pattern. Until its result is written, further changes wait; a job that takes long is ended for
+them. Once nothing changes, the pattern settles: a new one of less energy fades in, then that of a whole solve from there.
 """
 
 import time
@@ -147,6 +147,7 @@ class _Live:
         return memory.solve_of(obj).request.command in SHOWN
 
     def _follow(self, obj):
+        """Start a job if settings differ from the shown and the asked ones; else settle once they have rested."""
         shown = memory.state(obj)
         asked = self._present_settings(obj, shown)
         known = (shown.report.settings, shown.report.curves_read), self._asked_last
@@ -188,6 +189,7 @@ class _Live:
                 queue.end(work)
 
     def _finish(self, work):
+        """Write the result of a job that has ended; a better one of a search fades in instead."""
         self._work, job = None, work.job
         if job.link.present is not None and job.link.present.mode == "EDIT":  # its mesh cannot be read now
             self._asked_last = None
@@ -220,7 +222,7 @@ class _Live:
             self._changed = self._fade = None
         elif self._fade is not None or self._stages:
             try:
-                self._settle_on(obj, shown, asked[0])
+                self._fade_or_search(obj, shown, asked[0])
             except SynchError as error:
                 self._say(str(error))
                 self._fade, self._stages = None, []
@@ -229,7 +231,8 @@ class _Live:
             if not bpy.app.background:
                 undo_steps.push(_NAME)
 
-    def _settle_on(self, obj, shown, settings):
+    def _fade_or_search(self, obj, shown, settings):
+        """Write the next step of a fade, or else start the next search."""
         if self._fade is None:
             settling = {"settles": self._stages.pop(0), "turned_only": self._turned_only}
             job = LiveJob(obj, settings, shown, self._followers, True, **settling)

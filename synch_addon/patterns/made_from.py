@@ -36,7 +36,7 @@ def made_from(obj, settings, reads_modifiers):
     settings : SurfaceSettings, with the constraint list
     reads_modifiers : whether the solve is on the result of the modifiers
     """
-    seen = _seen(obj, settings.surface) if reads_modifiers else _UNREAD
+    seen = _evaluated(obj, settings.surface) if reads_modifiers else _UNREAD
     return f"{_of_mesh(obj.data, meshes.measured_places(obj))} {seen} {_named_inputs(obj, settings)}"
 
 
@@ -62,8 +62,8 @@ def _compare(made, source, settings):
     return any(one != other for one, other in zip(before, now, strict=True) if _UNREAD not in (one, other))
 
 
-def _seen(obj, surface):
-    """Digest of what modifiers make of an object, where the surface of that name ("seen") is made of it.
+def _evaluated(obj, surface):
+    """Digest of the evaluated mesh of an object, where the surface of that name, such as "seen", is made of it.
 
     It is not read where a modifier of ours shows a pattern, nor where the view layer does not evaluate the object.
     """

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an object shows, read back from its attributes: the pattern of a file that was opened again, or a favourite.
 
-Directions and phases at the vertices say it all: how the phases change along the edges follows from what the directions
-ask for there, which is what the solver was asked for. Fewer branches or singularities than those of the shape ask for
-something else, to which the constraints belong.
+Directions and phases at the vertices suffice: the changes of phases that the solve asked for along the edges follow from
+the directions. Where it asked for fewer branches or singularities than the shape has, they depend on the constraints,
+too.
 """
 
 from dataclasses import replace
@@ -37,9 +37,8 @@ def shown_pattern(obj):
 def read_back(obj, result, favourite=None):
     """The SurfaceSettings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
 
-    Returns Settings, SurfaceRequest, DirectionField, Pattern; the pattern has no problem and no solution. Raises
-    SynchError where an attribute is missing or of a newer version, or the surface is apart, so that second sides have
-    phases of their own.
+    The pattern has no problem and no solution. Raises SynchError where an attribute is missing or of a newer version,
+    or the surface is cut, so that vertices on a cut have several phases.
 
     Parameters
     ----------
@@ -60,7 +59,7 @@ def read_back(obj, result, favourite=None):
     settings = settings_for(command, obj, read_settings(kept, obj.name))
     if is_apart(settings, kept):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot store: solve it again")
-    request = gather(command, surface, _asked_along_edges(settings))
+    request = gather(command, surface, _without_direction_guides(settings))
     given = request.given
     own = schema.KEPT[command] if favourite is None else [a.in_favourite(favourite) for a in schema.KEPT[command]]
     vectors = attributes.read_vectors(surface, own[0].name, given)
@@ -78,8 +77,12 @@ def is_apart(settings, kept):
     return is_cut or any(name in APART for name in kept.get("carrier", {}))
 
 
-def _asked_along_edges(settings):
-    """The settings that determine how phases change along edges, without guides of directions."""
+def _without_direction_guides(settings):
+    """The settings of a pattern whose directions are known: what only guides directions is left out.
+
+    Where neither the directions' singularities nor the branching of lines are limited, constraints do not change how
+    phases differ along edges either.
+    """
     plain = SurfaceSettings()
     names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:

@@ -241,6 +241,7 @@ def as_length(number):
 
 
 def _look_at(obj):
+    """Measure the :class:`MeshDetail` of an object on a sample of its triangles; None without triangles."""
     places, triangles, share = _sample(obj.data)
     if len(triangles) == 0:
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes in which an object's mesh is its own mirror image, as far as its vertices and the middles of faces say."""
+"""The axes in which the vertices and the middles of faces of an object's mesh are their own mirror images."""
 
 import numpy as np
 

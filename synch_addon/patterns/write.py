@@ -152,6 +152,7 @@ def pattern_attributes(obj, values):
 
 
 def _defect(given, pattern, defect, face):
+    """The :class:`DefectEmpty` of a defect of the measured mesh, in object space, in a face of the object."""
     inverse = np.linalg.inv(given.stretch)
     normal = given.stretch @ defect.normal  # normals go the other way round than points
     length = np.linalg.norm(normal)
@@ -175,7 +176,7 @@ def _plain(obj, defect):
 
 
 def _at_faces(given, polygons, values):
-    """(p,) means in faces of the values of the mesh's triangles, be some faces split since or not."""
+    """(p,) means in faces of the values of the mesh's triangles, also after faces were split."""
     is_split = polygons is not given.polygons
     faces = meshes.faces_of_triangles(polygons, given.mesh.triangles) if is_split else polygons.triangle_faces
     count = len(polygons.starts)

@@ -48,6 +48,7 @@ def _row(obj, given, constraint):
 
 
 def _line(obj, given, constraint):
+    """The line of a constraint: its nodes and edges on the cut mesh."""
     if constraint.where == "curve":
         return line_of_strokes(given.mesh, read_strokes(obj, constraint.name, given))
     group = groups.read_group(obj, constraint.name) if constraint.name else None

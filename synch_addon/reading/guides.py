@@ -31,6 +31,7 @@ def read_guides(obj, given, symmetry, sources):
 
 
 def _pending(obj, given, symmetry, source):
+    """Read what a guide names, and return the function without arguments that computes its directions."""
     mesh, kind, name = given.mesh, source.kind, source.name
     if source.is_of_curvature:
         _refuse_unequal(source, 2, symmetry)
@@ -52,7 +53,8 @@ def _pending(obj, given, symmetry, source):
 
 
 def _refuse_unequal(source, own, symmetry):
-    """One of several directions that count as the same guides only fields in which they count as the same."""
+    """Refuse a guide with ``own`` equivalent directions at a point for a field of whose directions fewer are
+    equivalent."""
     if SYMMETRY_ORDERS[symmetry] % own:
         fitting = [name for name, number in SYMMETRY_ORDERS.items() if number % own == 0]
         remedy = f"set the symmetry to {' or '.join(fitting)}" if fitting else "leave it out"

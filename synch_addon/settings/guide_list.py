@@ -13,19 +13,18 @@ _KINDS = {identifier_of(kind): kind for kind in GUIDES}
 # The property with a guide's name, for each kind of guide that has one.
 NAME_PROPERTIES = {identifier_of(kind): guide.names for kind, guide in GUIDES.items() if guide.names}
 GUIDE_ITEMS = [(identifier_of(kind), guide.label, guide.tip) for kind, guide in GUIDES.items()]
-# Values of an object's guidance without a guide, and all of them. Files keep numbers: one that no guide will have.
-UNGUIDED, _NUMBER = (AUTOMATIC.upper(), SMOOTH.upper()), 100
-_ITEMS = (
-    (SMOOTH.upper(), "Smoothest", "The field that turns least over the surface"),
-    *GUIDE_ITEMS,
-    ("BLEND", "Blend", "Several guides, each with a strength"),
-)
+# Values of an object's guidance without a guide.
+UNGUIDED = AUTOMATIC.upper(), SMOOTH.upper()
+# Files keep the numbers of values, so these stay: guides that are added to the end of GUIDES are numbered after BLEND.
+_AUTOMATIC, _SMOOTH, _BLEND = 100, 0, 12
 GUIDANCE = EnumProperty(
     name="Guidance",
     description="What the directions follow",
     items=[
-        (AUTOMATIC.upper(), "Automatic", "Quad meshes follow curvature, others turn least", "NONE", _NUMBER),
-        *((*item, "NONE", number) for number, item in enumerate(_ITEMS)),
+        (AUTOMATIC.upper(), "Automatic", "Quad meshes follow curvature, others turn least", "NONE", _AUTOMATIC),
+        (SMOOTH.upper(), "Smoothest", "The field that turns least over the surface", "NONE", _SMOOTH),
+        *((*item, "NONE", number + (number >= _BLEND)) for number, item in enumerate(GUIDE_ITEMS, 1)),
+        ("BLEND", "Blend", "Several guides, each with a strength", "NONE", _BLEND),
     ],
     default=AUTOMATIC.upper(),
 )

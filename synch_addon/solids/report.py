@@ -19,7 +19,7 @@ TOLD, COVERED, MOST_PLACES = 0.001, 0.99, 20
 # Warnings come from this difference of the beads' volume from the solid's on, as a share of it, and outside these
 # widths of beads, over the nozzle's opening; and from this share of the paths' length on whose beads are narrower.
 VOLUME, WIDTHS, NARROW = 0.02, (0.6, 2.0), 0.05
-# A part that is smaller than this many openings of the nozzle is told to be scaled.
+# A warning says to scale a part that is smaller than this many openings of the nozzle.
 SMALL = 10
 
 

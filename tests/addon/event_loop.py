@@ -82,7 +82,7 @@ def by_the_worker(job):
 
 
 def begun(operator):
-    """An operator whose job has been put into the row from a loop of its own, and the loop before it."""
+    """An operator whose job has been queued from a loop of its own, and the loop before it."""
     loop = Loop()
     assert operator._start(loop) == {"RUNNING_MODAL"}
     assert loop.timers == loop.handlers == 1

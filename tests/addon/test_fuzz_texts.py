@@ -200,7 +200,7 @@ def test_any_rows_are_done_or_fail_alone(content):
         Path("out").mkdir()
         way = batch.Way(lambda line: main._parse_row(parser, line), declared_files, main._carry_out_row)
         try:
-            rows = plan(read_rows("rows.jsonl"), lambda line: batch._understood(line, way), batch.versions())
+            rows = plan(read_rows("rows.jsonl"), lambda line: batch._row_of(line, way), batch.versions())
         except SettingError as error:  # two rows that write one file
             check_line(str(error))
             COUNTS["files of rows refused"] += 1

@@ -111,7 +111,8 @@ class _SideBySide:
         return self._pairs(run)[1]
 
     def coming_back(self, numbers: np.ndarray) -> np.ndarray:
-        """(p,) bool: pieces beside another turn of their line nearer to the seed; numbers are counted from the seed."""
+        """(p,) bool: pieces beside a piece of the same line that is nearer to its seed; ``numbers`` count from the
+        seed."""
         i, j = self._pairs(np.arange(len(numbers)))
         back = (self.line[i] == self.line[j]) & (np.abs(numbers[i] - numbers[j]) > SAME_TURN)
         back &= 2 * np.abs(numbers[i]) + (numbers[i] < 0) > 2 * np.abs(numbers[j]) + (numbers[j] < 0)

@@ -109,8 +109,8 @@ def slot_numbers(phase: FacePhases, polygons: Polygons, lines: Isolines) -> np.n
     """
     pairs, away = _contacts(phase, polygons)
     numbers = _spread_numbers(_longest_line(phase, polygons, lines), pairs, away)
-    rest = pairs[(numbers[pairs] == 0).all(axis=1)]
-    met = np.unique(rest[rest[:, 0] == rest[:, 1]])
+    rest = pairs[(numbers[pairs] == 0).all(axis=1)]  # on stripes without a line
+    met = np.unique(rest[rest[:, 0] == rest[:, 1]])  # slots that an edge meets
     graph = coo_array((np.ones(len(rest)), rest.T), shape=(len(numbers),) * 2)
     labels = connected_components(graph, directed=False)[1][met]
     numbers[met] = len(lines.sizes) + 1 + np.unique(labels, return_inverse=True)[1]
@@ -170,7 +170,8 @@ def _longest_line(phase: FacePhases, polygons: Polygons, lines: Isolines) -> np.
 
 
 def _contacts(phase: FacePhases, polygons: Polygons) -> tuple[np.ndarray, np.ndarray]:
-    """(q, 2) slots of faces that touch along an edge, and (q,) distances to their stripe's middle, in periods.
+    """(q, 2) slots of faces that touch along an edge, numbered face * SLOTS + slot, and (q,) distances to their
+    stripe's middle, in periods.
 
     A slot that an edge meets by more than :data:`_MET` touches itself.
     """
@@ -280,7 +281,7 @@ class _Arcs:
         before = np.arange(len(self.points))
         goes_on = np.flatnonzero(self.following != before)
         before[self.following[goes_on]] = goes_on
-        point = self._descended(point, before, places)
+        point = self._slide_along_lines(point, before, places)
         best = np.full(len(places), np.inf)
         ways, tangents = np.zeros(len(places)), np.zeros((len(places), 3))
         for start in (point, before[point]):
@@ -297,8 +298,9 @@ class _Arcs:
             tangents[nearer] = (leg / np.sqrt(np.maximum(squares, np.finfo(float).tiny))[:, None])[nearer]
         return ways, tangents
 
-    def _descended(self, points: np.ndarray, before: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """Points moved along their lines while that brings them nearer to places."""
+    def _slide_along_lines(self, points: np.ndarray, before: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Indices of the points that are reached from (k,) points by steps along their lines, each nearer to a place of
+        (k, 3)."""
         off = np.linalg.norm(self.points[points] - places, axis=1)
         for _ in range(_MOST_STEPS):
             moved = False

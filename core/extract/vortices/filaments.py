@@ -193,8 +193,8 @@ def bilinear_zero(values: np.ndarray) -> np.ndarray:
     best = np.full((2, len(values)), 0.5)
     for t in _roots(*quadratic):
         t = np.where(np.isfinite(t), t, -1.0)
-        below = b + d * t
-        s = -((a + c * t) * below.conj()).real / np.maximum(np.abs(below) ** 2, np.finfo(float).tiny)
+        denominator = b + d * t
+        s = -((a + c * t) * denominator.conj()).real / np.maximum(np.abs(denominator) ** 2, np.finfo(float).tiny)
         inside = (t >= 0) & (t <= 1) & (s >= 0) & (s <= 1)
         best[:, inside] = s[inside], t[inside]
     return best

@@ -183,7 +183,7 @@ def line_of_strokes(mesh: TriangleMesh, strokes: Iterable[tuple[ArrayLike, Array
 def _line_of_stroke(
     mesh: TriangleMesh, faces: np.ndarray, points: np.ndarray, frames: tuple[np.ndarray, np.ndarray], turns: np.ndarray
 ) -> Line:
-    """``turns`` are :func:`corner_turns` of the faces."""
+    """The line of one stroke, see :func:`line_of_strokes`; ``turns`` are :func:`corner_turns` of its (p,) faces."""
     if len(points) < 2:
         raise SettingError("a stroke has a single point: give it two at least")
     steps = piece_lengths(points)

@@ -32,6 +32,7 @@ class _LinePhases:
 
     @classmethod
     def of(cls, row: Row, one_form: OneForm) -> "_LinePhases":
+        """Compute the shifts from the distances of the vertices from the line, as means over their places on it."""
         count = one_form.phase_count
         line = row.line.directed
         towards = one_form.angles[line.vertices] - line.angles - np.pi / 2

@@ -76,8 +76,8 @@ def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tup
 def _within_reach(
     places: np.ndarray, own: np.ndarray, reach: np.ndarray, points: np.ndarray, regions: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Pairs of (m, 3) places in (m,) own regions and of points on lines beside these that are within (m,) reach of
-    them: (k,) places, ascending, and (k,) points, for :data:`RUN` places at a time. Places farther than half of it from
+    """Pairs of (m, 3) places and of points on lines within (m,) reach of them, beside the place's (m,) own region: (k,)
+    places, ascending, and (k,) points, for :data:`RUN` places at a time. Places farther than half of their reach from
     all such points are in no strip and are left out."""
     # Regions lie apart along a fourth axis.
     apart = 4 * reach.max(initial=0)

@@ -52,7 +52,7 @@ def front_distance(mesh: TriangleMesh, sources: ArrayLike) -> np.ndarray:
         nearer = distances[side].min(axis=1) < distances[target]
         target, side = target[nearer], side[nearer]
         points = mesh.vertices[side] - mesh.vertices[target, None]
-        found, bend = _bent(points, distances[side], bends[side], curvatures[target])
+        found, bend = _across_segments(points, distances[side], bends[side], curvatures[target])
         # Of several assignments to a vertex the last one stays, that of the shortest way.
         order = np.argsort(-found, kind="stable")
         order = order[found[order] < distances[target[order]]]
@@ -166,7 +166,7 @@ def _ways(
     return start, np.sqrt((foot - place) ** 2 + away**2), place / length, slack * length
 
 
-def _bent(
+def _across_segments(
     points: np.ndarray, values: np.ndarray, bends: np.ndarray, curvatures: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(k,) distances at the origin over (k, 2, 3) segments, and (k,) curvatures of the fronts that arrive there.

@@ -80,8 +80,8 @@ def _over(solid: TetMesh, wanted: np.ndarray) -> np.ndarray:
 
 
 def _edges_that_fit(solid: TetMesh, over: np.ndarray, most: float) -> np.ndarray:
-    """Find, by bisection, edges to divide so that at most ``most`` tetrahedra result: those of the tetrahedra that are
-    longest for their walls, whose number is exact to 1 % of all that are too long."""
+    """Choose edges to divide so that at most ``most`` tetrahedra result: those of as many tetrahedra as possible, the
+    longest for their walls first. The number is found by bisection, to 1 % of all that are too long."""
     order = np.argsort(-over, kind="stable")
     low, high = 0, int((over > 1).sum())
     close = max(high // 100, 1)

@@ -105,12 +105,15 @@ def _solve_stack(
 
 
 def _stack_result(pieces: Pieces, numbers: np.ndarray, stack: Stack, fields: np.ndarray, **quality: Any) -> PartResult:
+    """The :class:`PartResult` of the padded fields of a stack."""
     return PartResult(pieces.rows(numbers), stack.mass.shape[1], _unit_coordinates(stack, fields), **quality)
 
 
 def _certify_stack(
     pieces: Pieces, numbers: np.ndarray, stack: Stack, found: SmallResult, coordinates: np.ndarray
 ) -> PartResult:
+    """The :class:`PartResult` of a stack with the sums of its pieces' values and bounds, each at most its piece's
+    value."""
     fields, lifted = _unit_coordinates(stack, found.fields), found.lifted[stack.used]
     status = Status.CERTIFIED if found.reached.all() else Status.TARGET_GAP_NOT_REACHED
     if found.out_of_time:

@@ -52,6 +52,7 @@ class Start:
 
     @classmethod
     def of(cls, problem: SynchronizationProblem, start: Solution | np.ndarray | None) -> "Start":
+        """Convert phases, or a solution of a nearby problem, to the problem's coordinates."""
         if start is None:
             return cls()
         as_phases = partial(np.asarray, dtype=complex if problem.is_circle else float)

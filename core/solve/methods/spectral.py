@@ -65,6 +65,7 @@ def _dense_eigenpair(piece: Piece) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _by_multigrid(piece: Piece, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest eigenpairs by LOBPCG with a multigrid preconditioner."""
     scaled, weight = piece.scaled()
     size, dtype = scaled.matrix.shape[0], scaled.matrix.dtype
     metric = definite_metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)

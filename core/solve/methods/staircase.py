@@ -147,7 +147,7 @@ class _Search:
             self._shift = stage.shift_at(self.point)
         self.bound, self.certificate = 0.0, Certificate.PROVED
         self.reached = self.out_of_time = False
-        self._foreseen: Relaxation | None = None
+        self._proved: Relaxation | None = None
         self._steps = self._products = 0
         self._needs_double = False
         self._memory: Memory = []
@@ -251,11 +251,11 @@ class _Search:
                 is_proved = self._monitor.during(proof)
         else:
             running = Running(proof)
-            foreseen = replace(self.result(), lower_bound=bound, certificate=Certificate.PROVED, reached=True)
-            meanwhile(foreseen, running)
+            with_bound = replace(self.result(), lower_bound=bound, certificate=Certificate.PROVED, reached=True)
+            meanwhile(with_bound, running)
             with self._clock("certify"):
                 is_proved = self._monitor.wait_for(running)
-            self._foreseen = foreseen if is_proved else None
+            self._proved = with_bound if is_proved else None
         if is_proved:
             self.bound, self.certificate = bound, Certificate.PROVED
         return is_proved
@@ -284,9 +284,10 @@ class _Search:
         self.point, self._memory = best, []
 
     def result(self) -> Relaxation:
-        """The :class:`Relaxation` at the point, in principal columns; the one foreseen, where it came true."""
-        if self._foreseen is not None:
-            return self._foreseen
+        """The :class:`Relaxation` at the point, in principal columns, or the one with the bound that :meth:`_prove` has
+        proved."""
+        if self._proved is not None:
+            return self._proved
         point, singular_values = principal(self.point, self._workspace.piece.reductions)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
         return Relaxation(

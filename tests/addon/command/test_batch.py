@@ -183,7 +183,7 @@ def test_all_files_that_a_row_reads_count(tmp_path, monkeypatch):
 
 def test_what_a_row_says_aloud_does_not_count():
     way = batch.Way(lambda line: main._parse_row(main._parser(False), line), main.declared_files, None)
-    rows = [batch._understood(["stripes", "a.obj", *more], way) for more in ([], ["--quiet"], ["--spacing=1"])]
+    rows = [batch._row_of(["stripes", "a.obj", *more], way) for more in ([], ["--quiet"], ["--spacing=1"])]
     assert isinstance(rows[0], Row) and rows[0].options == rows[1].options != rows[2].options
 
 

@@ -121,7 +121,7 @@ def test_a_changed_machine_or_guide_changes_the_key_of_a_row(cube):
     line = ["layers", "part_000.stl", "--machine", "m.toml", "--guidance", "file:v.vtu", "--export-gcode", "p.gcode"]
 
     def key():
-        return Keys({}).of(batch._understood(line, way))
+        return Keys({}).of(batch._row_of(line, way))
 
     first = key()
     assert key() == first

@@ -346,6 +346,13 @@ def test_a_guidance_that_is_stored_is_the_same_text_again(text):
     assert stored_guidance(obj.synch) == text
 
 
+def test_values_of_the_guidance_keep_the_numbers_that_files_have():
+    items = grid().synch.bl_rna.properties["guidance"].enum_items
+    names = ["SMOOTH", *(name for name, *_ in GUIDE_ITEMS[:11]), "BLEND", *(name for name, *_ in GUIDE_ITEMS[11:])]
+    assert {item.identifier: item.value for item in items} == {"AUTOMATIC": 100} | {n: k for k, n in enumerate(names)}
+    assert names[11:13] == ["FILE", "BLEND"]
+
+
 def test_a_blend_is_kept_in_the_file_and_followed(tmp_path):
     obj = grid()
     obj.synch.guidance = "BLEND"

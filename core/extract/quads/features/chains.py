@@ -277,7 +277,7 @@ def _path(
 
 
 def _way_to(end: int, before: np.ndarray) -> list[int]:
-    """The nodes from the start of a search, or from where none leads on, to a node; ``before`` are predecessors."""
+    """The nodes of the path to a node; ``before`` are predecessors, negative at its start."""
     way = [end]
     while before[way[-1]] >= 0:
         way.append(int(before[way[-1]]))

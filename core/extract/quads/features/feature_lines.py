@@ -84,6 +84,7 @@ class FeatureLines:
         return np.concatenate(ways), np.concatenate(apart)
 
     def _nearest(self, numbers: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """:meth:`nearest` for (p,) lines, by projecting the points to all segments of their lines."""
         ends, along, begins, lengths = self._steps
         firsts, counts = self._starts[numbers], np.diff(self._starts)[numbers]
         rows, places = ragged_arange(counts)

@@ -72,8 +72,8 @@ def quad_faults(
 
 
 def _better_count(faces: int, deviation: float, tried: Mapping[int, float]) -> str:
-    """What to say about other meshes that were tried: of more than a tenth less in the mean, the one that is nearest
-    in number."""
+    """The end of a line about bad corners: a mesh that was tried, whose mean deviation is clearly less, and whose
+    number of faces is nearest; or that there is none."""
     others = {count: mean for count, mean in tried.items() if count != faces}
     better = [count for count, mean in others.items() if mean < BETTER * deviation]
     if better:

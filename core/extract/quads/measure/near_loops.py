@@ -101,7 +101,8 @@ def _places_beside(right: np.ndarray, left: np.ndarray) -> dict[int, np.ndarray]
 def _classes(
     starts: np.ndarray, rows: np.ndarray, ahead: np.ndarray, right: np.ndarray, left: np.ndarray, tails: np.ndarray
 ) -> NearLoops:
-    """Join equally long walks, as far aside, that stay side by side; rows as in :func:`near_loops`."""
+    """Group walks of the same length and shift that lie side by side, and represent each group by one; rows as in
+    :func:`near_loops`."""
     order = np.lexsort((rows[:, 0], abs(rows[:, 2]), rows[:, 1]))
     rows = rows[order]
     count = len(starts)

@@ -72,6 +72,7 @@ class Patch:
         return valences[vertices] < np.where(self.on_rim[vertices], FEWEST_ON_RIM, FEWEST)
 
     def _flipped(self, number: int) -> Iterator["Patch"]:
+        """The patches in which a side of a face is replaced by another diagonal of the hexagon that it divides."""
         corners, on_line = self.faces[number].tolist(), self.held | (self.lines >= 0)
         for place in range(4):
             a, b, *rest = corners[place:] + corners[:place]
@@ -131,7 +132,7 @@ class Patch:
 
 
 def join_around(faces: np.ndarray, vertex: int) -> tuple[np.ndarray, list[int]] | None:
-    """(f - 1, 4) with the only two faces at a vertex joined, and its neighbours; None if that is no quad."""
+    """(f - 1, 4) with the only two faces at a vertex joined, and its neighbours; None if the result is not a quad."""
     rows, places = np.nonzero(faces == vertex)
     if len(rows) != 2:
         return None

@@ -117,8 +117,9 @@ class _Strips:
     def fitting(self, missing: float, wanted: float) -> np.ndarray:
         """(k,) strips whose change brings the number of faces nearer to the wanted one, the best first.
 
-        Those that bring it near enough come before others. Wide strips are halved, and narrow ones removed. A strip
-        that crosses itself, or ends at a face that is no quad, is left out.
+        ``missing`` is the wanted number less the present one. Strips that bring it near enough come first. Wide
+        strips are halved, and narrow ones removed. A strip that crosses itself, or ends at a face that is not
+        a quad, is left out.
         """
         strips = self._rungs[self._faces][:, :2]
         count = self._rungs.max(initial=-1) + 1

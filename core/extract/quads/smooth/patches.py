@@ -68,6 +68,8 @@ class Ground:
 
     @classmethod
     def of(cls, mesh: TriangleMesh, quads: QuadMesh) -> "Ground":
+        """Sample the surface at its vertices and at the middles of edges and triangles that are long beside a quad's
+        side."""
         side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()
         long = mesh.edge_lengths > LONG * side
         wide = long[mesh.triangle_edges].any(axis=1)
@@ -133,6 +135,7 @@ def squares_to_faces(
 def _squares_to_all(
     quads: QuadMesh, vertices: np.ndarray, middles: np.ndarray, points: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
+    """As :func:`squares_to_faces`, without ``enough``."""
     flat = faces.ravel()
     sizes = quads.sizes[flat]
     starts = np.cumsum(sizes) - sizes
@@ -174,6 +177,7 @@ class Patches:
 
     @classmethod
     def of(cls, quads: QuadMesh, ground: Ground, moving: np.ndarray) -> "Patches":
+        """Divide (k,) moving vertices, in ascending order, and their faces into patches."""
         moves = np.zeros(len(quads.vertices), bool)
         moves[moving] = True
         touched = np.unique(quads.corner_faces[moves[quads.corner_vertices]])

@@ -97,10 +97,12 @@ class _Fans:
         return np.cumsum(counts) - counts
 
     def centres(self, triangles: np.ndarray) -> np.ndarray:
-        """(p, 3) barycentric centres: of triangles, or of the diagonal in a quad with a disclination."""
+        """(p, 3) barycentric coordinates of the points around which fans lie: the triangle's centre, or for a triangle
+        of a quad with a disclination the middle of the quad's diagonal."""
         place = self.phases[0].corner_place[self.polygons.triangle_corners[triangles]]
         faces = self.polygons.triangle_faces[triangles]
         turned = np.any([phase.disclination[faces].any(axis=1) for phase in self.phases], axis=0)
+        # In a singular quad the third coordinate is -1, and the first is 0 at both ends of the diagonal.
         on_diagonal = turned & (place[:, 0, 2] < 0)
         return np.where(on_diagonal[:, None], 0.5 * (place[:, :, 0] == 0), 1 / 3)
 
@@ -171,7 +173,7 @@ def _across_edges(fans: _Fans) -> Iterator[np.ndarray]:
         for half in (order[block], order[block + 1]):
             from_low = np.where(low_first[half, None], along, 1 - along)
             weights = _rim(half[:, None] % 3 + from_low)
-            sides.append(_seen(fans, np.repeat(half // 3, len(along)), weights.reshape(-1, 3)))
+            sides.append(_pieces_inside(fans, np.repeat(half // 3, len(along)), weights.reshape(-1, 3)))
         differ = np.abs(sides[0][2] - sides[1][2]).max(axis=1).reshape(-1, len(along)).max(axis=1) > _SAME
         yield _contacts(sides, ~np.repeat(differ, len(along)))
 
@@ -187,11 +189,11 @@ def _around_centres(fans: _Fans) -> Iterator[np.ndarray]:
         for aside in (-_INSIDE, _INSIDE):
             rim = _rim(rays + aside)[None, :, None]
             places = centres + along[:, None] * (rim - centres)
-            sides.append(_seen(fans, triangles, places.reshape(-1, 3)))
+            sides.append(_pieces_inside(fans, triangles, places.reshape(-1, 3)))
         yield _contacts(sides, True)
 
 
-def _seen(fans: _Fans, triangles: np.ndarray, weights: np.ndarray) -> _Seen:
+def _pieces_inside(fans: _Fans, triangles: np.ndarray, weights: np.ndarray) -> _Seen:
     """:func:`_pieces_at` points of edges, moved into their triangles."""
     return _pieces_at(fans, triangles, (1 - _INSIDE) * weights + _INSIDE / 3)
 

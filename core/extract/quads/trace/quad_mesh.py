@@ -212,8 +212,8 @@ class _Paths:
         self._starts = np.searchsorted(traced.tails[self._order], np.arange(len(traced.kept) + 1))
 
     def __call__(self, first: int, key: float, last: int) -> np.ndarray:
-        """The nodes along an edge that leaves the first node at a key, up to the first where lines crossed that were
-        removed, and the last one."""
+        """The nodes along an edge that leaves the first node at a key and ends at the last one. Where it crosses
+        removed lines, only the nodes up to there are known."""
         path = [first]
         found = self._leaving(first)
         found = found[self._keys[found] == key]
