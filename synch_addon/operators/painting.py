@@ -51,7 +51,8 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
             name = group.name
             settings = getattr(obj, chosen.settings)
             setattr(settings, chosen.name, name)
-            if self.target != "ANGLE" and not settings.is_property_set(chosen.full):
+            usual = settings.bl_rna.properties[chosen.full].default
+            if self.target != "ANGLE" and getattr(settings, chosen.full) == usual:
                 setattr(settings, chosen.full, _FINER)
         obj.vertex_groups.active = obj.vertex_groups[name]
         set_mode(obj, "WEIGHT_PAINT")

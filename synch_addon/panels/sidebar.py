@@ -201,8 +201,8 @@ def draw_unready(layout, obj):
         layout.label(text="Vortex filaments", icon="FORCE_VORTEX")
     elif obj is not None and obj.type in {"CURVE", "VOLUME"}:
         layout.label(text=obj.name, icon=f"{obj.type}_DATA", translate=False)
-        where = "Vortices: Advanced, Make" if is_simple() else "Vortices: under Make"
-        layout.label(text=where, icon="FORCE_VORTEX")
+        if not is_simple():  # there the button follows
+            layout.label(text="Vortices: under Make", icon="FORCE_VORTEX")
     elif obj is None:
         layout.label(text="Select a mesh object", icon="INFO")
     elif reason:

@@ -11,6 +11,7 @@ from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_solve
 from ..flows.files import can_export
+from ..settings.preferences import is_simple
 from .progress import draw_begin, draw_estimate
 from .setting_rows import draw_automatic, property_column
 from .sidebar import DetailsPanel, SidebarPanel
@@ -27,10 +28,31 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         settings = context.scene.synch_vortices
         draw_vortices(self.layout, settings, partial(draw_automatic, settings=settings, name="shown_core"))
-        draw_expected(self.layout, context, settings)
-        column = self.layout.column()
-        column.scale_y = 1.3
-        draw_begin(column, "synch.clebsch", "Vortices", "FORCE_VORTEX")
+        _draw_button(self.layout, context)
+
+
+class SYNCH_PT_simple_vortices(SidebarPanel, bpy.types.Panel):
+    """The vortices of a curve or volume, with the settings of the box under Make"""
+
+    bl_label = "Vortices"
+    bl_options = {"HIDE_HEADER"}
+    bl_order = 1
+    in_simple = True
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        return is_simple() and obj is not None and obj.type in {"CURVE", "VOLUME"}
+
+    def draw(self, context):
+        _draw_button(self.layout, context)
+
+
+def _draw_button(layout, context):
+    draw_expected(layout, context, context.scene.synch_vortices)
+    column = layout.column()
+    column.scale_y = 1.3
+    draw_begin(column, "synch.clebsch", "Vortices", "FORCE_VORTEX")
 
 
 class SYNCH_PT_vortex_solver(DetailsPanel, bpy.types.Panel):
@@ -134,4 +156,6 @@ def draw_choice(layout, look):
     column.operator("synch.best_vortices", icon="LOOP_BACK")
 
 
-register, unregister = register_all((SYNCH_PT_vortices, SYNCH_PT_vortex_solver, SYNCH_PT_vortex_result))
+register, unregister = register_all(
+    (SYNCH_PT_vortices, SYNCH_PT_vortex_solver, SYNCH_PT_vortex_result, SYNCH_PT_simple_vortices)
+)

@@ -53,12 +53,14 @@ class MeshDetail:
     finest : the finest one without the map
     size : longest side of the object
     area : of its faces
+    density : factor by which the map makes quads more
     """
 
     spacing: float
     finest: float
     size: float
     area: float
+    density: float
 
 
 def refine(obj: bpy.types.Object, levels: int | None = None) -> Json:
@@ -109,7 +111,7 @@ def expected_faces(obj, stored):
         return None
     spacing = expected_spacing("quad_mesh", obj) if stored.automatic_spacing else stored.spacing
     side = spacing / lines_in_period("quad_mesh")
-    return round(found.area / side**2) if side > 0 else None
+    return round(found.density * found.area / side**2) if side > 0 else None
 
 
 def missing_levels(obj):
@@ -251,11 +253,14 @@ def _look_at(obj):
     seen = np.searchsorted(vertices, triangles)
     sides = np.roll(rotated[seen], -1, axis=1) - rotated[seen]
     lengths = np.linalg.norm(sides, axis=2).ravel()
-    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
-    factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)[seen].ravel()
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)[seen]
+    density = areas @ (1 / factors**2).mean(axis=1) / areas.sum() if areas.any() else 1.0
+    factors = factors.ravel()
     stretched = np.ptp(points, axis=0) * np.array(obj.matrix_world.to_scale())
     size = float(np.abs(stretched).max())
-    return MeshDetail(carried_spacing(lengths / factors), carried_spacing(lengths), size, float(area / share))
+    finest = carried_spacing(lengths / factors), carried_spacing(lengths)
+    return MeshDetail(*finest, size, float(areas.sum() / share), float(density))
 
 
 def _sample(data):

@@ -104,3 +104,23 @@ def test_filaments_are_drawn_long_before_the_end_and_go_with_the_job(panel, keep
     assert abs(panel.wait_for("Vortices", last=True)[1] - y) < 3
     panel.run("circle.hide_set(True)")
     panel.wait_to_see(lambda picture: filament_pixels(picture) == 0, "WINDOW")
+
+
+def test_the_view_is_zoomed_and_esc_ends_a_bake_while_cycles_works(panel, keep):
+    panel.run("bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1); bpy.ops.synch.stripes(spacing=0.3)")
+    panel.run("bake = bpy.context.scene.synch_bake; bake.size = 2048; bake.samples = 64; bake.unwrap = True")
+    panel.scroll_to("Bake")
+    panel.click("Bake")
+    panel.scroll_to("Bake", count=2)
+    panel.click("Bake", last=True)
+    panel.until("any(hasattr(o, '_child') for o in __import__('gc').get_objects() if type(o).__name__ == 'OtherProcess')")
+    before = panel.value("view().view_distance")
+    panel.move((500, 500))
+    panel.run("event('WHEELUPMOUSE', 'PRESS', 500, 500)")
+    panel.until(f"view().view_distance < {before}")
+    keep("bake_runs", panel.picture())
+    assert panel.value("part('jobs.queue').queue.running.stage") == "height"
+    panel.press("ESC")
+    panel.until("part('jobs.queue').queue.running is None")
+    assert panel.value("[len(bpy.data.scenes), len(active().data.uv_layers)]") == [1, 1]
+    assert not panel.value("[image.name for image in bpy.data.images if image.size[0] == 2048]")

@@ -158,10 +158,10 @@ def test_one_click_ends_painting_and_makes_what_the_panel_makes(kind):
     if kind == "stripes":
         return
     before = len(made.data.polygons)
-    made.synch.faces = 2 * before
+    made.synch.faces, made.synch.spacing_map, made.synch.spacing_range = 2 * before, "", 2.0  # as of one without a map
     bpy.ops.synch.paint_map(target="SPACING")
     bpy.ops.synch.done_painting()
-    assert made.mode == "OBJECT" and len(made.data.polygons) == before
+    assert made.mode == "OBJECT" and len(made.data.polygons) == before and made.synch.spacing_range == 0.5
     bpy.ops.synch.paint_map(target="SPACING")
     bpy.ops.synch.done_painting(solves=True)
     assert len(made.data.polygons) == pytest.approx(2 * before, rel=0.1)

@@ -199,6 +199,17 @@ def test_a_vortex_curve_is_named_as_what_it_is():
     assert [call.kwargs["text"] for call in layout.label.call_args_list] == ["Ring", "Vortex filaments"]
 
 
+@pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
+def test_vortices_of_a_curve_are_one_click_away(chosen):
+    bpy.ops.curve.primitive_bezier_circle_add()
+    assert panels() == {"fields", "simple_vortices"}
+    layout = MagicMock()
+    bpy.types.SYNCH_PT_simple_vortices.draw(SimpleNamespace(layout=layout), bpy.context)
+    assert "'synch.clebsch'" in str(layout.mock_calls) and "nodes" in str(layout.mock_calls)
+    sphere()
+    assert "simple_vortices" not in panels()
+
+
 def test_a_count_of_lines_that_stays_as_it_is_shown_changes_nothing():
     """As Enter does in the field, which shows no decimals, and rounded ones while it is edited."""
     obj = sphere()

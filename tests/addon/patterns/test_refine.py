@@ -66,6 +66,19 @@ def test_what_the_panel_sees_is_what_the_automatic_spacing_takes(build, scale):
     assert refine.mesh_detail(obj).spacing == pytest.approx(exact, rel=0.1)
 
 
+def test_the_faces_that_are_expected_are_more_where_the_map_is_finer():
+    """A map that halves the edges on half of a square: two and a half times as many quads."""
+    obj = grid(40)
+    few = refine.expected_faces(obj, obj.synch)
+    add_group(obj, "finer", [vertex.index for vertex in obj.data.vertices if vertex.co.x > 0])
+    obj.synch.spacing_map, obj.synch.spacing_range = "finer", 0.5
+    assert refine.expected_faces(obj, obj.synch) == pytest.approx(2.5 * few, rel=0.05)
+    obj.synch.surface = "FACES"
+    expected = refine.expected_faces(obj, obj.synch)
+    api.quad_mesh(obj, spacing_map="finer", spacing_range=0.5, surface="faces")
+    assert len(bpy.context.active_object.data.polygons) == pytest.approx(expected, rel=0.15)
+
+
 @pytest.mark.parametrize("command", ["stripes", "quads"])
 @pytest.mark.parametrize("build", [sphere, tube, grid])
 def test_the_panel_tells_the_automatic_spacing(build, command):
