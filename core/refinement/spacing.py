@@ -104,8 +104,8 @@ def carries_few_lines(command: str, size: float, spacing: float) -> bool:
 
 
 def is_fine(command: str, given: MeshInput, settings: SurfaceSettings, factors: float | np.ndarray = 1.0) -> bool:
-    """Whether faces carry the pattern asked for: their edges are short enough, joined where they meet, the mirror images
-    of others, and for quad meshes along a mirror plane.
+    """Whether faces carry the pattern asked for: their edges are short enough, joined where they meet, mirror images of
+    others, and for quad meshes along a mirror plane.
 
     ``factors`` are one, or (n,) on the spacing. SettingError as of :func:`asked_spacings`.
     """

@@ -174,15 +174,14 @@ def test_rings_around_an_axis_are_the_preset():
 
 
 @pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
-def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
+def test_mirrors_of_directions_are_offered_where_the_mesh_has_them_and_those_of_patterns_always(chosen):
     obj = grid()
-    assert drawn().count("mirror") == 2
     triangulated = add_object(*triangles_of(obj))
-    make_active(triangulated)
-    assert drawn().count("mirror") == 0  # their diagonals differ on both sides
-    bpy.context.active_object.synch_simple.kind = "quad_mesh"  # of any mesh
-    assert drawn().count("mirror") == 3
-    bpy.context.active_object.synch_simple.kind = "stripes"
+    for own, expected in ((obj, 2), (triangulated, 0)):  # the latter's diagonals differ on both sides
+        make_active(own)
+        for kind, axes in (("stripes", 3), ("quads", 3), ("quad_mesh", 3), ("directions", expected)):
+            own.synch_simple.kind = kind
+            assert drawn().count("mirror") == axes
     make_active(obj)
     obj.data.vertices[0].co += Vector((0.01, 0, 0.01))
     obj.data.update()

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces drawn to rectangles: what is square already stays, what is not becomes it, folds open."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -41,6 +42,18 @@ def test_squares_stay():
     mesh, quads, inside = grid()
     after = fit_quads(quads, mesh, inside, 5)
     np.testing.assert_allclose(after.vertices, quads.vertices, atol=1e-9)
+
+
+def test_a_mesh_whose_vertices_move_has_the_same_edges_and_new_lengths():
+    _, quads, inside = grid()
+    edges, rim, lengths = quads.edges, quads.on_rim, quads.edge_lengths
+    which = np.flatnonzero(inside)
+    after = quads.moved(which, *(1.1 * quads.vertices[which], quads.triangles[which], quads.weights[which]))
+    fresh = QuadMesh(*after.places, after.corner_vertices, after.sizes)
+    for mesh in (after, fresh, pickle.loads(pickle.dumps(after))):
+        assert all(np.array_equal(a, b) for a, b in zip(mesh.edges, edges, strict=True))
+        assert np.array_equal(mesh.on_rim, rim) and np.array_equal(mesh.edge_lengths, fresh.edge_lengths)
+    assert not np.array_equal(after.edge_lengths, lengths) and np.array_equal(quads.edge_lengths, lengths)
 
 
 def test_squares_come_back_and_the_rim_stays():
