@@ -62,8 +62,8 @@ def without_narrow_tunnels(mesh: TriangleMesh, edges: np.ndarray, width: float) 
 
 
 def _are_tunnels(mesh: TriangleMesh, clusters: np.ndarray, rim: np.ndarray, width: float) -> np.ndarray:
-    """(c,) bool: clusters of triangles, (m,) labels, without boundary and with several loops among (k,) half-edges, each
-    of which is simple and has a diameter below the width."""
+    """(c,) bool: clusters of triangles, (m,) labels, without boundary and with several loops among (k,) half-edges, all
+    of which are simple and have diameters below the width."""
     count = clusters.max(initial=-1) + 1
     of = clusters[rim // 3]
     tails, heads = mesh.triangles.ravel()[rim], np.roll(mesh.triangles, -1, axis=1).ravel()[rim]
@@ -88,10 +88,14 @@ def _loops(mesh: TriangleMesh, clusters: np.ndarray, tails: np.ndarray, heads: n
 
 def _second_extents(mesh: TriangleMesh, parts: np.ndarray) -> np.ndarray:
     """(p,) extent of each part along the second one of its principal axes."""
-    labels, places = np.repeat(parts, 3), mesh.vertices[mesh.triangles].reshape(-1, 3)
-    apart = places - (sum_by(labels, places) / np.bincount(labels)[:, None])[labels]
-    moments = sum_by(labels, (apart[:, :, None] * apart[:, None, :]).reshape(-1, 9)).reshape(-1, 3, 3)
-    along = np.einsum("nx,nx->n", apart, np.linalg.eigh(moments)[1][labels, :, 1])
+    labels, places = np.repeat(parts, 3), mesh.vertices[mesh.triangles]
+    # The mean of a quadratic function at the middles of its sides is its mean over a triangle.
+    middles, weights = ((places + np.roll(places, 1, axis=1)) / 2).reshape(-1, 3), np.repeat(mesh.areas, 3)
+    centres = sum_by(labels, weights[:, None] * middles) / np.bincount(labels, weights)[:, None]
+    apart = middles - centres[labels]
+    moments = sum_by(labels, (weights[:, None, None] * apart[:, :, None] * apart[:, None, :]).reshape(-1, 9))
+    axes = np.linalg.eigh(moments.reshape(-1, 3, 3))[1][:, :, 1]
+    along = np.einsum("nx,nx->n", places.reshape(-1, 3), axes[labels])
     low, high = _boxes(labels, along[:, None])
     return (high - low)[:, 0]
 

@@ -17,13 +17,17 @@ from .surface_result import SurfaceResult
 if TYPE_CHECKING:
     from .surfaces import SurfaceRequest
 
-# Tunnels with a smaller diameter than this, in sides of a quad, have no room for three quads around them.
-NARROWEST = 0.6
+# Diameters of tunnels, in sides of a quad: smaller ones have no room for two sides around them, or none for four where
+# corners would be far from right angles.
+NARROWEST, WIDEST = 0.6, 1.0
 
 
-def without_tunnels(request: "SurfaceRequest") -> tuple["SurfaceRequest", FilledMesh] | None:
-    """The request on a surface without narrow tunnels, and this; None where there are none, or where something else
-    than sharp edges and curvature guides the quads: strokes, maps, constraints, mirrors, pins or cuts."""
+def without_tunnels(request: "SurfaceRequest", width: float) -> tuple["SurfaceRequest", FilledMesh] | None:
+    """The request on a surface without tunnels narrower than a width, in sides of a quad, and this surface.
+
+    None where there are none, or where something else than sharp edges and curvature guides the quads: strokes, maps,
+    constraints, mirrors, pins or cuts.
+    """
     source, given = request.source, request.given
     mesh = given.mesh
     if (
@@ -38,7 +42,7 @@ def without_tunnels(request: "SurfaceRequest") -> tuple["SurfaceRequest", Filled
         return None
     bends = np.abs(mesh.dihedral_angles) > request.settings.features
     edges = np.union1d(np.flatnonzero(bends | (mesh.edge_face_counts == 1)), np.asarray(source.sharp, int))
-    filled = without_narrow_tunnels(mesh, edges, NARROWEST * request.side)
+    filled = without_narrow_tunnels(mesh, edges, width * request.side)
     if filled is None:
         return None
     numbers = np.append(np.arange(mesh.vertex_count), filled.sources)

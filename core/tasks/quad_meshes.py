@@ -21,7 +21,7 @@ from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
 from .face_counts import FAR, SPOILT, SpacingFactor, Trial, best_count, choose, face_count, mean_angle, misses
-from .narrow_tunnels import on_surface, without_tunnels
+from .narrow_tunnels import NARROWEST, WIDEST, on_surface, without_tunnels
 from .quad_drafts import (
     FEW,
     Draft,
@@ -60,17 +60,23 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`.
 
     A bad mesh, and one that does not follow its boundaries and sharp edges, is solved again (:func:`_solve_again`).
-    Tunnels that are narrower than the quads are closed before.
+    Tunnels that are narrower than the quads are closed before, and wider ones where corners are far from right angles.
     """
     tried: dict[int, float] = {}
-    closed = without_tunnels(request)
-    solved = request if closed is None else closed[0]
+    solved, filled = without_tunnels(request, NARROWEST) or (request, None)
     found, lost = _solve(solved, progress, tried)
+    part = portion(progress, 1 - _AGAIN, _AGAIN)
     faults: tuple[str, ...] = ()
+    if mean_angle(found) > WORST_ANGLE:
+        wider = without_tunnels(request, WIDEST)
+        if wider is not None and (filled is None or len(filled.sources) < len(wider[1].sources)):
+            again = _try(wider[0], part, tried)
+            if again is not None and _is_better(again[0], found, request.settings.faces):
+                (solved, filled), (found, lost) = wider, again
     if lost.share > LOST or _is_bad(found, request.settings.faces):
-        found, lost, faults = _solve_again(solved, found, lost, portion(progress, 1 - _AGAIN, _AGAIN), tried)
-    if closed is not None:
-        found = on_surface(found, request, closed[1])
+        found, lost, faults = _solve_again(solved, found, lost, part, tried)
+    if filled is not None:
+        found = on_surface(found, request, filled)
     assert found.quads is not None
     return replace(
         found,

@@ -20,6 +20,7 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement.spacing import faces_of_factor, smallest_sides, spacing_factor
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.tasks import quad_drafts, quad_meshes, surfaces
+from synch_fields.core.tasks.narrow_tunnels import NARROWEST, without_tunnels
 from synch_fields.core.tasks.surface_source import SurfaceSource
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 
@@ -271,7 +272,8 @@ def test_crowded_sharp_edges_are_left_out_where_a_bad_mesh_gets_better(monkeypat
 @pytest.mark.parametrize(
     "asked_for", [{"faces": 500}, pytest.param({"faces": 650}, marks=pytest.mark.slow), {"spacing": 0.95}]
 )
-def test_holes_narrower_than_a_quad_are_closed_where_quads_would_meet_themselves(asked_for):
+def test_holes_narrower_than_a_quad_are_closed_where_quads_would_meet_themselves(asked_for, monkeypatch):
+    monkeypatch.setattr(quad_meshes, "without_tunnels", lambda *given: None)  # as without sharp edges around them
     mesh = plate_with_holes((2, 4, 6), side=0.15)
     assert mesh.euler_characteristic == 2 - 2 * 9
     result = asked(mesh, features=ANGLE, smoothing=20, **asked_for).solve()
@@ -284,6 +286,23 @@ def test_holes_narrower_than_a_quad_are_closed_where_quads_would_meet_themselves
     assert any(f"{lost} of 9 tunnels or handles of the surface" in line for line in result.warnings)
     # The plate is as large as before, and its flat sides are where they were.
     assert np.ptp(result.quads.vertices, axis=0) == pytest.approx([8, 8, 0.3])
+
+
+def test_holes_narrower_than_a_quad_are_closed_before_the_solve():
+    """The plate without holes is nearly a grid, with 8 corners (it had 69 irregular vertices)."""
+    mesh = plate_with_holes((2, 4, 6), side=0.25, step=0.2)
+    result = asked(mesh, faces=576, features=ANGLE, smoothing=20).solve()
+    quads = result.quads
+    assert quads.is_irregular.sum() <= 16 and (quads.edges[1] == 2).all() and quality(quads)["angle_deviation"] < 2
+    assert np.ptp(quads.vertices, axis=0) == pytest.approx([8, 8, 0.3])
+    assert [line for line in result.warnings if "9 of 9 tunnels or handles of the surface" in line]
+    # Vertices refer to the given surface, of which they may be apart in the disks only.
+    there = np.einsum("nk,nkx->nx", quads.weights, mesh.vertices[mesh.triangles[quads.triangles]])
+    assert np.linalg.norm(there - quads.vertices, axis=1).max() < 0.25
+    assert np.median(np.linalg.norm(there - quads.vertices, axis=1)) < 1e-9
+    assert result.given.vertex_count == mesh.vertex_count < result.field.angles.size
+    pinned, finer = asked(mesh, faces=576, features=ANGLE, pins="0=1"), asked(mesh, faces=9000, features=ANGLE)
+    assert without_tunnels(pinned, NARROWEST) is None and without_tunnels(finer, NARROWEST) is None
 
 
 def test_thin_plates_are_grids_on_both_sides_and_their_rim():
