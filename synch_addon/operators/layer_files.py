@@ -48,20 +48,24 @@ _MACHINES = [
     ("five_axis_bc", "Five Axes BC", "A table that turns around Y (B) on one that turns around Z (C)", 5),
     (_FILE, "Another File", "A file that describes a printer (.toml)", 6),
 ]
-# Blender keeps no reference to the texts of items that a function returns.
-_listed: list[tuple[str, str, str, int]] = []
 
 
-def _list_machines(_operator, _context):
-    """The shipped machines, and files beside the .blend that may describe others."""
-    folder = os.path.dirname(bpy.data.filepath)
-    names = sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else []
-    own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
-    _listed[:] = [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
-    return _listed
+class _MachineItems:
+    """What *Machine* offers. Blender keeps no reference to the texts of items, so they are kept here."""
+
+    def __init__(self):
+        self._items = []
+
+    def find(self, _operator, _context):
+        """The shipped machines, and files beside the .blend that may describe others."""
+        folder = os.path.dirname(bpy.data.filepath)
+        names = sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else []
+        own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
+        self._items = [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
+        return self._items
 
 
-_MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_list_machines)
+_MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_MachineItems().find)
 _MACHINE_FILE = StringProperty(name="File", description="A file that describes a printer (.toml)", subtype="FILE_PATH")
 
 
