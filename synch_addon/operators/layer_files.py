@@ -56,7 +56,7 @@ class _MachineItems:
     def __init__(self):
         self._items = []
 
-    def find(self, _operator, _context):
+    def find(self):
         """The shipped machines, and files beside the .blend that may describe others."""
         folder = os.path.dirname(bpy.data.filepath)
         names = sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else []
@@ -65,7 +65,12 @@ class _MachineItems:
         return self._items
 
 
-_MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_MachineItems().find)
+_machine_items = _MachineItems()
+_MACHINE = EnumProperty(
+    name="Machine",
+    description="The printer that the paths are for",
+    items=lambda _operator, _context: _machine_items.find(),
+)
 _MACHINE_FILE = StringProperty(name="File", description="A file that describes a printer (.toml)", subtype="FILE_PATH")
 
 
