@@ -3,7 +3,7 @@
 
 A timer compares the settings of the active object with those of the pattern that it shows. A job solves for the newest
 settings from the shown pattern. Until its result is written, further changes wait; a job that takes long is ended for
-them. Once nothing changes, the pattern settles: a new one of less energy fades in, then that of a whole solve from there.
+them. Once nothing changes, the pattern settles: one of less energy fades in, then that of a whole solve from there.
 """
 
 import time

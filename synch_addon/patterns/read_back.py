@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an object shows, read back from its attributes: the pattern of a file that was opened again, or a favourite.
 
-Directions and phases at the vertices suffice: the changes of phases that the solve asked for along the edges follow from
-the directions. Where it asked for fewer branches or singularities than the shape has, they depend on the constraints,
-too.
+Directions and phases at the vertices suffice: the changes of phases that a solve asks for along the edges follow from
+the directions. If it asks for fewer branches or singularities than the shape has, they depend on the constraints, too.
 """
 
 from dataclasses import replace

@@ -266,7 +266,7 @@ def _look_at(obj):
 def _sample(data):
     """Positions by vertex, in order, (t, 3) triangles that some faces are cut into, and the share of these faces.
 
-    Edges between faces come up for both, as those inside a face do.
+    Each side of a triangle counts, so that an edge between two faces counts twice, as one inside a face does.
     """
     places, triangles = {}, []
     step = max(1, len(data.polygons) // FACES_SEEN)
