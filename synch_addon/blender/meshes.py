@@ -43,10 +43,12 @@ def _edited_elsewhere(obj):
 
 
 def refuse(obj):
-    """Raise SynchError for an object that cannot be given a field."""
+    """Raise SynchError for an object that cannot be given a field; the transforms of others are up to date then, also
+    where a script has just moved or scaled something."""
     reason = refusal(obj)
     if reason:
         raise SynchError(reason)
+    bpy.context.view_layer.update()
 
 
 @contextmanager

@@ -37,7 +37,6 @@ class FieldJob:
     def __init__(self, command, obj, settings, replaced=None):
         meshes.refuse(obj)
         settings = settings_for(command, obj, settings)
-        bpy.context.view_layer.update()  # a script may have scaled the object just now
         self.link, self._selection = ObjectLink.to(obj), Selection.now()
         self.replaced = None if replaced is None else ObjectLink.to(replaced)
         self._report = Report(command, obj, settings)

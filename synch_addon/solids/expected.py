@@ -6,6 +6,7 @@ import numpy as np
 from ...core.errors import SettingError
 from ...core.geometry.filling.lengths import Lengths, Measures
 from ..blender.attributes import read_all
+from ..blender.changes import changes
 from ..jobs.lru_cache import LruCache
 
 # Measures of the mesh that was measured last, by what it was known by.
@@ -23,13 +24,14 @@ def expected_lengths(obj, spacing=None, size=None):
 
 
 def measures_of(obj):
-    """Volume, area and bounds of an object's mesh, None where there is no volume; measured again where its counts, its
-    box or its scale change."""
+    """Volume, area and bounds of an object's mesh, None where there is no volume; measured again where the mesh or its
+    scale changes."""
     mesh = obj.data
     if obj.type != "MESH" or obj.mode == "EDIT" or len(mesh.polygons) == 0:
         return None
     box = tuple(np.round(np.array(obj.bound_box).ravel(), 6))
-    key = (mesh.session_uid, len(mesh.vertices), len(mesh.polygons), box, tuple(obj.matrix_world.to_scale()))
+    counts = len(mesh.vertices), len(mesh.polygons)
+    key = (changes.state(mesh), counts, box, tuple(obj.matrix_world.to_scale()))
     if _measured.get(key) is None:
         mesh.calc_loop_triangles()
         points = read_all(mesh.vertices, "co", 3, np.float32).astype(float) * np.abs(key[-1])

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers in a solid as a job: the surface and what is asked are read, objects written (paper, Section 3.4)."""
 
-import bpy
 import numpy as np
 
 from ...core.errors import SynchError
@@ -34,7 +33,6 @@ class LayerJob:
 
     def __init__(self, obj, settings, solid=None):
         meshes.refuse(obj)
-        bpy.context.view_layer.update()  # a script may have scaled the object just now
         self.link, self._report = ObjectLink.to(obj), Report("layers", obj, settings)
         with meshes.object_mode(obj), self._report.clock("read"):
             self.request = _read(obj, settings, solid)

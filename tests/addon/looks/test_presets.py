@@ -326,3 +326,12 @@ def test_a_preset_that_was_just_solved_is_of_the_settings_of_the_panel(name, giv
     assert not shows_other_settings(obj, "stripes")
     obj.synch.guidance = "CURVATURE_MAX"
     assert shows_other_settings(obj, "stripes")
+
+
+def test_a_preset_counts_lines_across_an_object_that_a_script_has_just_scaled():
+    spacings = []
+    for scale in (1, 2):
+        obj = sphere(3)
+        obj.scale = (scale,) * 3
+        spacings.append(api.preset(obj, "zebra")["solve"]["settings"]["spacing"])
+    assert spacings[1] == pytest.approx(2 * spacings[0])

@@ -22,6 +22,7 @@ from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
 from synch_fields.synch_addon.panels import overlay
 from synch_fields.synch_addon.panels.layers import SYNCH_PT_layers
 from synch_fields.synch_addon.solids import memory
+from synch_fields.synch_addon.solids.expected import measures_of
 from synch_fields.synch_addon.solids.properties import LENGTHS, LayerProperties, SynchLayering
 from synch_fields.synch_addon.solids.surface import read_surface
 
@@ -179,3 +180,18 @@ def test_lengths_of_what_encloses_nothing_are_not_known():
     assert stored.shown_spacing == 0
     stored.shown_spacing_auto = False
     assert stored.automatic_spacing
+
+
+def test_the_volume_is_measured_again_where_only_vertices_inside_the_box_have_moved():
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    obj = bpy.context.active_object
+    before = measures_of(obj).volume
+    places = np.array([vertex.co for vertex in obj.data.vertices])
+    places[np.abs(places).max(axis=1) < 0.95] *= 0.5
+    obj.data.vertices.foreach_set("co", places.astype(np.float32).ravel())
+    obj.data.update()
+    bpy.context.view_layer.update()
+    assert tuple(obj.bound_box[6]) == pytest.approx((1, 1, 1), abs=1e-6)
+    triangles = places[[face.vertices[:] for face in obj.data.polygons]]
+    volume = np.linalg.det(triangles).sum() / 6
+    assert measures_of(obj).volume == pytest.approx(volume, rel=1e-5) and volume < 0.7 * before

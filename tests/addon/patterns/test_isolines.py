@@ -371,3 +371,15 @@ def test_command_refuses_in_one_line_before_it_solves(capfd, flags, says):
     error = capfd.readouterr().err
     assert says in error and error.startswith("synch isolines: ") and error.count("\n") == 1
     assert snapshot() == before
+
+
+def test_lines_lie_where_a_script_has_just_put_the_object():
+    obj = sphere()
+    api.stripes(obj, spacing=0.4)
+    obj.location = (5, 0, 0)
+    made = bpy.data.objects[api.isolines(obj)["object"]]
+    bpy.context.view_layer.update()
+    assert made.matrix_world.translation == obj.matrix_world.translation
+    obj.scale = (2, 2, 2)
+    with pytest.raises(SynchError, match="has changed since it was solved"):
+        api.isolines(obj)
