@@ -82,7 +82,6 @@ class FieldJob:
                 assign(obj.synch, "pins", self._pins)
             return write_result(obj, request, result.field, result.pattern, self._report)
 
-
     def _bending(self, obj):
         """The modifiers of an object that have not shaped the surface, and bend any mesh alike."""
         is_seen = self._refinement is not None and self._refinement.is_seen

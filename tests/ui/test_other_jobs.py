@@ -113,7 +113,9 @@ def test_the_view_is_zoomed_and_esc_ends_a_bake_while_cycles_works(panel, keep):
     panel.click("Bake")
     panel.scroll_to("Bake", count=2)
     panel.click("Bake", last=True)
-    panel.until("any(hasattr(o, '_child') for o in __import__('gc').get_objects() if type(o).__name__ == 'OtherProcess')")
+    panel.until(
+        "any(hasattr(o, '_child') for o in __import__('gc').get_objects() if type(o).__name__ == 'OtherProcess')"
+    )
     before = panel.value("view().view_distance")
     panel.move((500, 500))
     panel.run("event('WHEELUPMOUSE', 'PRESS', 500, 500)")
