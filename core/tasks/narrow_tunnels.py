@@ -22,11 +22,13 @@ if TYPE_CHECKING:
 NARROWEST, WIDEST = 0.6, 1.0
 
 
-def without_tunnels(request: "SurfaceRequest", width: float) -> tuple["SurfaceRequest", FilledMesh] | None:
+def without_tunnels(
+    request: "SurfaceRequest", width: float, keeps_marks: bool = True
+) -> tuple["SurfaceRequest", FilledMesh] | None:
     """The request on a surface without tunnels narrower than a width, in sides of a quad, and this surface.
 
-    None where there are none, or where something else than sharp edges and curvature guides the quads: strokes, maps,
-    constraints, mirrors, pins or cuts.
+    Edges that are only marked sharp stay so if ``keeps_marks``. None without such tunnels, or where something else
+    than sharp edges and curvature guides the quads: strokes, maps, constraints, mirrors, pins or cuts.
     """
     source, given = request.source, request.given
     mesh = given.mesh
@@ -58,7 +60,7 @@ def without_tunnels(request: "SurfaceRequest", width: float) -> tuple["SurfaceRe
         guides=tuple(guide.on(filled.mesh) for guide in source.guides),
         turns=carried(source.turns),
         factors=carried(source.factors),
-        sharp=marked[marked >= 0],
+        sharp=marked[marked >= 0] if keeps_marks else (),
     )
     return request.on_source(source, carried(request.spacings)), filled
 

@@ -63,18 +63,21 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     Tunnels that are narrower than the quads are closed before, and wider ones where corners are far from right angles.
     """
     tried: dict[int, float] = {}
+    faces = request.settings.faces
     solved, filled = without_tunnels(request, NARROWEST) or (request, None)
     found, lost = _solve(solved, progress, tried)
     part = portion(progress, 1 - _AGAIN, _AGAIN)
     faults: tuple[str, ...] = ()
-    if mean_angle(found) > WORST_ANGLE:
-        wider = without_tunnels(request, WIDEST)
-        if wider is not None and (filled is None or len(filled.sources) < len(wider[1].sources)):
-            again = _try(wider[0], part, tried)
-            if again is not None and _is_better(again[0], found, request.settings.faces):
-                (solved, filled), (found, lost) = wider, again
-    if lost.share > LOST or _is_bad(found, request.settings.faces):
-        found, lost, faults = _solve_again(solved, found, lost, part, tried)
+    wider = without_tunnels(request, WIDEST, keeps_marks=False) if mean_angle(found) > WORST_ANGLE else None
+    if wider is not None and (filled is None or len(filled.sources) < len(wider[1].sources)):
+        again = _try(wider[0], part, tried)
+        if again is not None and _brings_right_angles(again[0], found, faces):
+            whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
+            faults = _left_out("are around narrow tunnels or only marked", whole - left, whole)
+            (solved, filled), (found, lost) = wider, again
+    if not (faults and mean_angle(found) <= WORST_ANGLE) and (lost.share > LOST or _is_bad(found, faces)):
+        found, lost, more = _solve_again(solved, found, lost, part, tried)
+        faults += more
     if filled is not None:
         found = on_surface(found, request, filled)
     assert found.quads is not None
@@ -140,15 +143,17 @@ def _solve_again(
         again = _try(uncrowded, progress, tried) if _count_links(uncrowded) < _count_links(request) else None
         if again is not None and _is_better(again[0], found, faces) and _keeps_handles(request, again[0], found):
             whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
-            return *again, (
-                f"sharp edges are left out that run beside others without room for quads, {whole - left:.3g} of "
-                f"{whole:.3g} in length: {REMEDY}",
-            )
+            return *again, _left_out("run beside others without room for quads", whole - left, whole)
     is_detailed = lost.share > LOST and request.detail > 0
     again = _try(replace(request, detail=0.0), progress, tried) if is_detailed else None
     if again is not None and again[1].share < lost.share and _keeps_handles(request, again[0], found):
         found, lost = again
     return found, lost, ()
+
+
+def _left_out(which: str, length: float, whole: float) -> tuple[str, ...]:
+    """A line about sharp edges that are left out."""
+    return (f"sharp edges are left out that {which}, {length:.3g} of {whole:.3g} in length: {REMEDY}",)
 
 
 def _keeps_handles(request: "SurfaceRequest", result: SurfaceResult, other: SurfaceResult) -> bool:
@@ -176,6 +181,11 @@ def _count_links(request: "SurfaceRequest") -> int:
 def _is_bad(result: SurfaceResult, faces: int) -> bool:
     """Whether the corners of a quad mesh are far from right angles, or its number of faces from the wanted one."""
     return mean_angle(result) > BAD_ANGLE or misses(result, faces) > FAR
+
+
+def _brings_right_angles(result: SurfaceResult, other: SurfaceResult, faces: int) -> bool:
+    """Whether corners come near enough to right angles for any number of faces, or :func:`_is_better`."""
+    return mean_angle(result) <= WORST_ANGLE or _is_better(result, other, faces)
 
 
 def _is_better(result: SurfaceResult, other: SurfaceResult, faces: int) -> bool:
