@@ -136,9 +136,10 @@ def remove_varying(
     """
     flow = diags_array(_inverse_weights(weights, known)) @ circulation.matrix.T
     laplacian = (circulation.matrix @ flow).tocsr()
+    smoothing = (diags_array(circulation.areas) + length**2 * laplacian).tocsr()
     # Where all changes are known the Laplacian is 0, and areas may be 0, too: the shift keeps the matrix definite.
-    shift = SHIFT * (laplacian.diagonal().max(initial=0.0) or circulation.areas.max(initial=0.0) or 1.0)
-    smoothing = (diags_array(circulation.areas + shift) + length**2 * laplacian).tocsr()
+    shift = SHIFT * (smoothing.diagonal().max(initial=0.0) or 1.0)
+    smoothing = smoothing + diags_array(np.full(len(circulation.areas), shift)).tocsr()
     return -(length**2) * (flow @ solve_definite(smoothing, holonomy))
 
 

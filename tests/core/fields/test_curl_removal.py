@@ -345,6 +345,17 @@ def test_the_part_of_a_holonomy_that_varies_fast_is_told_from_the_rest():
         np.testing.assert_allclose(part(spot, length), spot - mesh.areas * smooth, atol=1e-9)
 
 
+@pytest.mark.parametrize("scale", [2.0**-23, 2.0**-10, 2.0**10])
+def test_what_varies_over_less_than_a_length_does_not_depend_on_the_scale(scale):
+    def correction(scale):
+        mesh = TriangleMesh(scale * icosphere(2).vertices * [1.0, 0.8, 0.6], icosphere(2).triangles)
+        circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+        holonomy = np.random.default_rng(0).standard_normal(mesh.triangle_count)
+        return remove_varying(circulation, holonomy, mesh.weights, 0.1 * scale)
+
+    np.testing.assert_allclose(correction(scale), correction(1.0), rtol=1e-9, atol=1e-12)
+
+
 def test_bumps_finer_than_a_detail_make_no_disclinations():
     mesh = icosphere(4)
     bumps = np.prod(np.sin(12 * mesh.vertices), axis=1, keepdims=True)
