@@ -170,8 +170,8 @@ def _put(mesh, name, values):
 
 
 def _make_way(mesh, name):
-    """Have an attribute, of whatever kind, leave when nothing can fail any more; until then it has another name, which
-    Blender hides, and comes back whole where the work fails."""
+    """Remove an attribute once nothing can fail any more. Until then it has another name, which Blender hides, and gets
+    its own back if the work fails."""
     if name not in mesh.attributes:
         return
     hidden = next(free for free in map(".synch_leaving_{}".format, _numbers) if free not in mesh.attributes)
@@ -210,7 +210,7 @@ def remove_attribute(obj, name):
 
 
 def show_same_maps(obj, made):
-    """Of another mesh's UV maps and colours, the same are the active and the rendered ones as of the given one."""
+    """Make the same UV maps and colours the active and the rendered ones on another mesh as on the given one."""
     layers, others = obj.data.uv_layers, made.data.uv_layers
     for layer in layers:
         if layer.active_render and layer.name in others:

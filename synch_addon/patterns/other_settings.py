@@ -40,8 +40,8 @@ def _with_sources(settings):
         sources = parse_guidance(settings["guidance"])
     except (SynchError, KeyError):  # others have written it
         return settings
-    told = [(source.kind, source.name, _strength(source)) for source in sources]
-    return settings | {"guidance": told} if told else settings
+    plain = [(source.kind, source.name, _strength(source)) for source in sources]
+    return settings | {"guidance": plain} if plain else settings
 
 
 def _strength(source):
