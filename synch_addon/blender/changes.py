@@ -8,8 +8,8 @@ from .registration import register_handlers
 
 
 class _Changes:
-    """How often each mesh, and the shape of each object as its modifiers leave it, has changed, as far as Blender has
-    told; undo and redo may change any."""
+    """How many changes Blender has reported of each mesh, and of the shape that modifiers give each object; undo and
+    redo may change any."""
 
     def __init__(self):
         self._counts, self._steps = {}, 0

@@ -2,7 +2,7 @@
 """Defects of a field as empties: one for each, parented to the object, coloured by its sign."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
@@ -44,7 +44,7 @@ class DefectEmpty(NamedTuple):
 
 
 def write_defects(
-    obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0, mesh=None, hidden=False
+    obj, defects: Sequence[DefectEmpty], *, kinds=KINDS, length=1.0, mesh=None, hidden=False
 ) -> list[bpy.types.Object]:
     """Leave one empty of `obj` for each of `defects`, and no others of these `kinds`.
 

@@ -169,8 +169,10 @@ def _stretch(obj):
 
 
 def can_be_split(obj, faces, surface):
-    """Those of (k,) faces that can be split into triangles, none of which exists as another face already; a face that
-    doubles another one in the surface's Polygons may be one of its triangles, and is not split itself."""
+    """Faces, out of (k,), that can be split into triangles: none of the triangles is a face already.
+
+    A face that doubles another one in the surface's Polygons may be one of its triangles, and is not split itself.
+    """
     faces = faces[surface.drawn[faces]]
     if len(faces) == 0:
         return faces

@@ -92,7 +92,7 @@ def shape_of(source):
 
 
 def _shape_of_keys(keys):
-    """Arrays of what the shape of a curve depends on in its shape keys, which may be None."""
+    """Arrays that determine how shape keys, which may be None, shape a curve."""
     if keys is None:
         return
     blocks = keys.key_blocks
@@ -104,7 +104,7 @@ def _shape_of_keys(keys):
 
 
 def _is_of_splines(source):
-    """Whether of a curve the splines alone count."""
+    """Whether an object is a curve of which only the splines count, without thickness and modifiers."""
     return source.type == "CURVE" and (_is_thick(source.data) or any(map(is_of_filaments, source.modifiers)))
 
 
@@ -123,7 +123,7 @@ def _is_thick(curve):
 
 @contextmanager
 def _middle_line(source):
-    """For a moment, an object with a curve's splines alone: without thickness, but also without modifiers."""
+    """A temporary object with a curve's splines, without thickness and modifiers."""
     data = source.data.copy()
     data.dimensions, data.bevel_mode, data.bevel_depth, data.extrude = "3D", "ROUND", 0, 0
     thin = bpy.data.objects.new(source.name, data)
@@ -135,7 +135,7 @@ def _middle_line(source):
 
 
 def _chains(seen):
-    """Chains of edges of an object that is seen as a mesh, as polylines."""
+    """Polylines along the edges of the mesh that an object shows."""
     mesh = seen.to_mesh()
     if mesh is None:  # of a curve without splines
         return []

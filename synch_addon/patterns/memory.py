@@ -68,7 +68,7 @@ class Solved:
         return getattr(self.shown.solution, "lifted", None) is not None
 
     def field_and_pattern(self, shown):
-        """The field and the pattern, None for none, with ``shown`` in place of the present :attr:`shown`."""
+        """The field and the pattern, or None, with ``shown`` in place of the present :attr:`shown`."""
         return (shown, None) if self.pattern is None else (self.field, shown)
 
     def then(self, edit):

@@ -195,6 +195,7 @@ def empties(obj, kind=None):
 
 def snapshot():
     """Everything in the file that an operator could touch, as plain values."""
+    bpy.context.view_layer.update()  # places of objects count as they will be seen
     return {
         "meshes": {mesh.name: _mesh(mesh) for mesh in bpy.data.meshes},
         "objects": {obj.name: _object(obj) for obj in bpy.data.objects},
