@@ -2,6 +2,7 @@
 """Operators that bring the last layers out of Blender: mesh files, tool paths, and a volume."""
 
 import os
+from functools import cache
 from pathlib import Path
 
 import bpy
@@ -48,17 +49,18 @@ _MACHINES = [
     ("five_axis_bc", "Five Axes BC", "A table that turns around Y (B) on one that turns around Z (C)", 5),
     (_FILE, "Another File", "A file that describes a printer (.toml)", 6),
 ]
-# Blender keeps no reference to the texts of items that a function returns.
-_listed: list[tuple[str, str, str, int]] = []
 
 
 def _list_machines(_operator, _context):
     """The shipped machines, and files beside the .blend that may describe others."""
     folder = os.path.dirname(bpy.data.filepath)
-    names = sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else []
+    return _items(tuple(sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else ()))
+
+
+@cache  # Blender keeps no reference to the texts of items that a function returns
+def _items(names):
     own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
-    _listed[:] = [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
-    return _listed
+    return [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
 
 
 _MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_list_machines)
