@@ -195,7 +195,7 @@ class LayerSettings(SolverSettings):
         least=SMALLEST,
         start=0.1,
         usual=(1e-4, None),
-        unset="as many layers as the resolution carries, forty at most",
+        unset="24 layers across the object, or up to forty where the resolution carries them",
         group="layers",
     )
     size: float | None = _layer_setting(

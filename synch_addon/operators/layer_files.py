@@ -2,6 +2,7 @@
 """Operators that bring the last layers out of Blender: mesh files, tool paths, and a volume."""
 
 import os
+from functools import cache
 from pathlib import Path
 
 import bpy
@@ -50,27 +51,19 @@ _MACHINES = [
 ]
 
 
-class _MachineItems:
-    """What *Machine* offers. Blender keeps no reference to the texts of items, so they are kept here."""
-
-    def __init__(self):
-        self._items = []
-
-    def find(self):
-        """The shipped machines, and files beside the .blend that may describe others."""
-        folder = os.path.dirname(bpy.data.filepath)
-        names = sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else []
-        own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
-        self._items = [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
-        return self._items
+def _list_machines(_operator, _context):
+    """The shipped machines, and files beside the .blend that may describe others."""
+    folder = os.path.dirname(bpy.data.filepath)
+    return _items(tuple(sorted(path.name for path in Path(folder).glob(f"*{SUFFIX}")) if folder else ()))
 
 
-_machine_items = _MachineItems()
-_MACHINE = EnumProperty(
-    name="Machine",
-    description="The printer that the paths are for",
-    items=lambda _operator, _context: _machine_items.find(),
-)
+@cache  # Blender keeps no reference to the texts of items that a function returns
+def _items(names):
+    own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
+    return [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
+
+
+_MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_list_machines)
 _MACHINE_FILE = StringProperty(name="File", description="A file that describes a printer (.toml)", subtype="FILE_PATH")
 
 

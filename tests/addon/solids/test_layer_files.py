@@ -332,7 +332,7 @@ def test_a_machine_is_chosen_from_a_list(layered, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"), copy=False)
     mine = tmp_path / "mine.toml"
     mine.write_text("bed_width = 300\nfeed = 777")
-    listed = {item[0] for item in layer_files._MachineItems().find()}
+    listed = {item[0] for item in layer_files._list_machines(None, None)}
     assert listed == {*MACHINES, "AUTOMATIC", "FILE", "//mine.toml"}
     chosen = [{}, {"machine": "klipper"}, {"machine": "//mine.toml"}, {"machine": "FILE", "machine_file": str(mine)}]
     programs = []
