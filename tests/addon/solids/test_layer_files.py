@@ -12,12 +12,10 @@ import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.interpolate_solid import evaluate_in_tets
-from synch_fields.core.printing.machine import MACHINES
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import openvdb_module
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.operators import layer_files
 from synch_fields.synch_addon.operators.layer_files import SYNCH_OT_layer_path_export
 from synch_fields.synch_addon.solids import memory
 
@@ -325,25 +323,6 @@ def test_without_layers_nothing_can_leave(tmp_path):
         with pytest.raises(SynchError, match="no layers of Block are in memory"):
             call(obj, tmp_path / "part.stl")
     assert not bpy.ops.synch.layer_export.poll() and not bpy.ops.synch.layer_toolpaths.poll()
-
-
-def test_a_machine_is_chosen_from_a_list(layered, tmp_path):
-    """The shipped ones, files beside the .blend, and any other file; without a name the last is refused."""
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"), copy=False)
-    mine = tmp_path / "mine.toml"
-    mine.write_text("bed_width = 300\nfeed = 777")
-    listed = {item[0] for item in layer_files._list_machines(None, None)}
-    assert listed == {*MACHINES, "AUTOMATIC", "FILE", "//mine.toml"}
-    chosen = [{}, {"machine": "klipper"}, {"machine": "//mine.toml"}, {"machine": "FILE", "machine_file": str(mine)}]
-    programs = []
-    for number, machine in enumerate(chosen):
-        path = tmp_path / f"part{number}.gcode"
-        bpy.ops.synch.layer_path_export(filepath=str(path), step=0.4, **machine)
-        programs.append(path.read_text())
-    assert "F777" not in programs[0] and "F777" in programs[2] and programs[2] == programs[3]
-    assert programs[0] != programs[1]
-    with pytest.raises(RuntimeError, match="the machine's file has no name: choose the file"):
-        bpy.ops.synch.layer_toolpaths(machine="FILE")
 
 
 def test_operators_do_the_same(layered, tmp_path):

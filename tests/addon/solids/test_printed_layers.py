@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.printing.machine import read_machine
+from synch_fields.core.printing.machine import MACHINES, read_machine
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.operators import layer_files
 from synch_fields.synch_addon.solids import memory
 from synch_fields.synch_addon.solids.report import headline, program_line
 
@@ -224,3 +225,22 @@ def test_levels_of_two_towers_share_their_numbers(tmp_path):
     assert len(files) == 5 and {v.value for v in made.data.attributes["synch_layer"].data} == set(range(5))
     with pytest.raises(SettingError, match="numbers 'rows' is unknown"):
         api.layers(obj, numbers="rows")
+
+
+def test_a_machine_is_chosen_from_a_list(layered, tmp_path):
+    """The shipped ones, files beside the .blend, and any other file; without a name the last is refused."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"), copy=False)
+    mine = tmp_path / "mine.toml"
+    mine.write_text("bed_width = 300\nfeed = 777")
+    listed = {item[0] for item in layer_files._list_machines(None, None)}
+    assert listed == {*MACHINES, "AUTOMATIC", "FILE", "//mine.toml"}
+    chosen = [{}, {"machine": "klipper"}, {"machine": "//mine.toml"}, {"machine": "FILE", "machine_file": str(mine)}]
+    programs = []
+    for number, machine in enumerate(chosen):
+        path = tmp_path / f"part{number}.gcode"
+        bpy.ops.synch.layer_path_export(filepath=str(path), step=0.4, **machine)
+        programs.append(path.read_text())
+    assert "F777" not in programs[0] and "F777" in programs[2] and programs[2] == programs[3]
+    assert programs[0] != programs[1]
+    with pytest.raises(RuntimeError, match="the machine's file has no name: choose the file"):
+        bpy.ops.synch.layer_toolpaths(machine="FILE")
