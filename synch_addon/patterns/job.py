@@ -12,7 +12,7 @@ from ...core.errors import AsymmetryError, SynchError
 from ...core.fields import DirectionField, Pattern
 from ...core.files.json_text import Json
 from ..blender import meshes
-from ..blender.modifiers import bends
+from ..blender.modifiers import bends, foreign_modifiers
 from ..blender.objects import ObjectLink, Selection
 from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, whole_or_nothing
@@ -73,6 +73,7 @@ class FieldJob:
                 with solved_object(obj, self._refinement) as surface:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
                     replaced = None if self.replaced is None else self.replaced.found
+                    self._warn_of_poses(obj)
                     with nullcontext() if replaced is None else meshes.object_mode(replaced):
                         chosen = self._report, self._selection
                         return write_quads(obj, request, result, *chosen, surface, self._bending(obj), replaced)
@@ -86,6 +87,19 @@ class FieldJob:
         """The modifiers of an object that have not shaped the surface, and bend any mesh alike."""
         is_seen = self._refinement is not None and self._refinement.is_seen
         return [one for one in obj.modifiers if bends(one) and (not is_seen or one.name in self._refinement.unbent)]
+
+    def _warn_of_poses(self, obj):
+        """Warn of armatures whose pose has shaped the surface, unless the setting asks for what modifiers show."""
+        if self._refinement is None or not self._refinement.is_seen or self._report.settings.surface == "seen":
+            return
+        kept = self._refinement.unbent
+        posing = [one for one in foreign_modifiers(obj) if one.type == "ARMATURE" and one.name not in kept]
+        if posing:
+            names, last = " and ".join(modifier.name for modifier in posing), foreign_modifiers(obj)[-1].name
+            self._report.warn(
+                f"the pose of {names} is part of the quad mesh, which the rig does not move: to change that, move "
+                f"{names} below {last} and make it again"
+            )
 
 
 def _refuse_changed(obj, is_unchanged):
