@@ -87,13 +87,16 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
 
 def draw_vortices(layout, settings, draw_core):
     """What is solved; ``settings`` are the scene's or an operator's, whose core a callable (column) draws."""
+    active = None if settings.filepath else bpy.context.active_object
+    kind = None if active is None else active.type
     column = property_column(layout)
     column.prop(settings, "filepath", placeholder="chosen objects")
     column.prop(settings, "show")
     column.prop(settings, "resolution")
-    if not settings.filepath:
+    if not settings.filepath and kind not in ("MESH", "VOLUME"):
         draw_core(column)
-    column.prop(settings, "attribute")
+    if kind != "CURVE":
+        column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])
     if settings.show != "FILAMENTS":

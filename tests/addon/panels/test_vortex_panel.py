@@ -105,7 +105,14 @@ def test_a_file_that_is_none_has_no_estimate(tmp_path):
 
 def test_settings_are_shown_where_they_count():
     settings = bpy.context.scene.synch_vortices
+    bpy.context.view_layer.objects.active = None
     assert {"share", "smoothing", "shown_core", "attribute"} <= set(drawn(SYNCH_PT_vortices)[1])
+    for add, counts in (
+        (bpy.ops.curve.primitive_bezier_circle_add, "shown_core"),
+        (bpy.ops.mesh.primitive_grid_add, "attribute"),
+    ):
+        add()
+        assert {"shown_core", "attribute"} & set(drawn(SYNCH_PT_vortices)[1]) == {counts}
     settings.by = "COUNT"
     assert {"count", "share"} & set(drawn(SYNCH_PT_vortices)[1]) == {"count"}
     settings.by, settings.show, settings.use_frames = "CIRCULATION", "TUBES", True
