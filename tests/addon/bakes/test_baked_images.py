@@ -162,7 +162,7 @@ def test_panel_shows_for_objects_with_a_pattern_and_keeps_the_settings_with_the_
     stored = bpy.context.scene.synch_bake
     stored.size, stored.maps, stored.unwrap = 16, {"MASK"}, True
     # Without a window nothing is invoked.
-    operator = SimpleNamespace()
+    operator = SimpleNamespace(_elsewhere=False)
     SYNCH_OT_bake._take(operator, bpy.context)
     run(SYNCH_OT_bake._job(operator, bpy.context))
     (image,) = bpy.data.images
