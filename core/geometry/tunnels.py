@@ -29,11 +29,9 @@ class FilledMesh:
 def without_narrow_tunnels(mesh: TriangleMesh, edges: np.ndarray, width: float) -> FilledMesh | None:
     """The surface without the tunnels that are narrower than a width; None where there are none.
 
-    Where tunnels are all that joins two parts, these become pieces.
-
-    Edges divide the surface into parts. Those are narrow that fit between two parallel planes at this distance, and
-    between two more at right angles to the longest extent and to these. Connected narrow parts are a tunnel where
-    they join one piece of the rest along several loops, all of them simple and narrow.
+    Edges divide the surface into parts. A part is narrow if its extent along the second of its principal axes is below
+    the width. Connected narrow parts are a tunnel if they have no boundary and meet the rest of the surface along
+    several loops, all of them simple and narrow. Where tunnels are all that joins two parts, these become pieces.
 
     Parameters
     ----------
@@ -91,7 +89,8 @@ def _second_extents(mesh: TriangleMesh, parts: np.ndarray) -> np.ndarray:
     labels, places = np.repeat(parts, 3), mesh.vertices[mesh.triangles]
     # The mean of a quadratic function at the middles of its sides is its mean over a triangle.
     middles, weights = ((places + np.roll(places, 1, axis=1)) / 2).reshape(-1, 3), np.repeat(mesh.areas, 3)
-    centres = sum_by(labels, weights[:, None] * middles) / np.bincount(labels, weights)[:, None]
+    areas = np.maximum(np.bincount(labels, weights), np.finfo(float).tiny)  # a part without area has any axes
+    centres = sum_by(labels, weights[:, None] * middles) / areas[:, None]
     apart = middles - centres[labels]
     moments = sum_by(labels, (weights[:, None, None] * apart[:, :, None] * apart[:, None, :]).reshape(-1, 9))
     axes = np.linalg.eigh(moments.reshape(-1, 3, 3))[1][:, :, 1]

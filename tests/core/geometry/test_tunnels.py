@@ -75,6 +75,22 @@ def test_a_narrow_bar_between_two_blocks_leaves_two_pieces():
     assert found.mesh.areas.sum() == pytest.approx(2 * 6 * 25)
 
 
-def test_an_open_tube_is_no_tunnel():
-    tube = cylinder(radius=0.1, height=2.0)
-    assert filled(tube, 1.0) is None
+def test_tunnels_whose_walls_are_open_stay():
+    assert filled(cylinder(radius=0.1, height=2.0), 1.0) is None
+    plate = plate_with_holes(HOLES, side=SIDE)
+    away = np.linalg.norm(plate.vertices[plate.triangles].mean(axis=1)[:, :2] - HOLES[0], axis=1)
+    wall = np.flatnonzero((plate.face_normals[:, 2] == 0) & (away < SIDE))[0]
+    found = filled(TriangleMesh(plate.vertices, np.delete(plate.triangles, wall, axis=0)), 1.5 * SIDE)
+    assert len(found.sources) == 2 * (len(HOLES) ** 2 - 1) and len(found.mesh.boundary_edges) == 3
+
+
+def test_triangles_without_area_between_sharp_edges_do_not_matter():
+    plate = plate_with_holes(HOLES, side=SIDE)
+    a, b, c = plate.triangles[0]
+    n, middle = plate.vertex_count, (plate.vertices[a] + plate.vertices[b]) / 2
+    mesh = TriangleMesh(
+        np.vstack([plate.vertices, middle]), np.vstack([plate.triangles[1:], [[a, n, c], [n, b, c], [a, b, n]]])
+    )
+    assert mesh.areas[-1] == 0
+    found = without_narrow_tunnels(mesh, np.union1d(sharp(mesh), mesh.triangle_edges[-1]), 1.5 * SIDE)
+    assert len(found.sources) == 2 * len(HOLES) ** 2
