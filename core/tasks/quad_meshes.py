@@ -68,6 +68,7 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     found, lost = _solve(solved, progress, tried)
     part = portion(progress, 1 - _AGAIN, _AGAIN)
     faults: tuple[str, ...] = ()
+    is_settled = False
     wider = without_tunnels(request, WIDEST, keeps_marks=False) if mean_angle(found) > WORST_ANGLE else None
     if wider is not None and (filled is None or len(filled.sources) < len(wider[1].sources)):
         again = _try(wider[0], part, tried)
@@ -75,7 +76,8 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
             whole, left = lost.all_lengths.sum(), again[1].all_lengths.sum()
             faults = _left_out("are around narrow tunnels or only marked", whole - left, whole)
             (solved, filled), (found, lost) = wider, again
-    if not (faults and mean_angle(found) <= WORST_ANGLE) and (lost.share > LOST or _is_bad(found, faces)):
+            is_settled = mean_angle(found) <= WORST_ANGLE
+    if not is_settled and (lost.share > LOST or _is_bad(found, faces)):
         found, lost, more = _solve_again(solved, found, lost, part, tried)
         faults += more
     if filled is not None:
@@ -152,7 +154,9 @@ def _solve_again(
 
 
 def _left_out(which: str, length: float, whole: float) -> tuple[str, ...]:
-    """A line about sharp edges that are left out."""
+    """A line about sharp edges that are left out, if their length is not 0."""
+    if length <= 1e-9 * whole:
+        return ()
     return (f"sharp edges are left out that {which}, {length:.3g} of {whole:.3g} in length: {REMEDY}",)
 
 

@@ -22,7 +22,7 @@ class SurfaceResult:
     seconds : times of parts of the work other than solves, by name
     settled : settings, by name, that replaced the wanted ones
     loops_before : figures of the loops before more of them were closed (:attr:`QuadLoops.figures`)
-    given : the mesh of field and pattern, if it is the request's without narrow holes; None for the request's
+    given : the mesh of field and pattern, where narrow tunnels were closed for them; None for the request's
     """
 
     field: DirectionField

@@ -20,7 +20,7 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement.spacing import faces_of_factor, smallest_sides, spacing_factor
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.tasks import quad_drafts, quad_meshes, surfaces
-from synch_fields.core.tasks.narrow_tunnels import NARROWEST, without_tunnels
+from synch_fields.core.tasks.narrow_tunnels import NARROWEST, WIDEST, without_tunnels
 from synch_fields.core.tasks.surface_source import SurfaceSource
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 
@@ -303,6 +303,23 @@ def test_holes_narrower_than_a_quad_are_closed_before_the_solve():
     assert result.given.vertex_count == mesh.vertex_count < result.field.angles.size
     pinned, finer = asked(mesh, faces=576, features=ANGLE, pins="0=1"), asked(mesh, faces=9000, features=ANGLE)
     assert without_tunnels(pinned, NARROWEST) is None and without_tunnels(finer, NARROWEST) is None
+
+
+@pytest.mark.parametrize("is_marked", [True, pytest.param(False, marks=pytest.mark.slow)])
+def test_wider_holes_and_marks_are_left_out_where_corners_are_bad(is_marked, monkeypatch):
+    """Holes a little narrower than a quad, and a straight line across the flat top that is marked sharp."""
+    monkeypatch.setattr(quad_meshes, "WORST_ANGLE", 0.8)
+    mesh = plate_with_holes((2, 4, 6), side=0.4, step=0.3)
+    given = asked(mesh, faces=576, features=ANGLE)
+    assert NARROWEST < 0.4 / given.side < WIDEST and without_tunnels(given, NARROWEST) is None
+    ends = mesh.vertices[mesh.edges]
+    line = np.flatnonzero((ends[:, :, 2] > 0.29).all(axis=1) & np.isclose(ends[:, :, 0], 5).all(axis=1))
+    source = replace(given.source, sharp=line if is_marked else ())
+    result = SurfaceRequest.of("quad_mesh", source, given.settings).solve()
+    assert quality(result.quads)["angle_deviation"] < 0.8 and result.quads.is_irregular.sum() <= 16
+    text = "\n".join(result.warnings)
+    assert "9 of 9 tunnels or handles of the surface" in text
+    assert ("are left out that are around narrow tunnels or only marked" in text) == is_marked
 
 
 def test_thin_plates_are_grids_on_both_sides_and_their_rim():
