@@ -241,7 +241,7 @@ class SynchronizationProblem:
 
     # Coordinates
 
-    def _transports(self, transports: np.ndarray, tails: np.ndarray, heads: np.ndarray) -> np.ndarray:
+    def _transports(self, transports: np.ndarray, heads: np.ndarray) -> np.ndarray:
         """Convert transports to the coordinates of the solve: complex numbers or d x d blocks."""
         if not self.is_complex or transports.ndim == 1:
             return transports
@@ -272,7 +272,7 @@ class SynchronizationProblem:
         grounds[grounded] = free.sum() + np.arange(len(grounded))
         units = np.ones(count, complex) if self.is_complex else np.tile(np.eye(self.block), (count, 1, 1))
         columns[merged.nodes] = columns[merged.roots]
-        units[merged.nodes] = self._transports(merged.transports, merged.roots, merged.nodes)
+        units[merged.nodes] = self._transports(merged.transports, merged.nodes)
         columns[fixed.nodes] = grounds[labels[fixed.nodes]]
         units[fixed.nodes] = _ground_blocks(self._values(fixed))
         column_count = free.sum() + len(grounded)
@@ -288,7 +288,7 @@ class SynchronizationProblem:
         """The :class:`ColumnLinks` of edges and soft constraints."""
         columns, units = self._embedding.columns, self._embedding.units
         i, j = self.connection.edges.T
-        moved = compose(self._transports(self.connection.transports, i, j), units[i])
+        moved = compose(self._transports(self.connection.transports, j), units[i])
         nodes = self.drawn.nodes
         return ColumnLinks(
             np.append(columns[i], self._embedding.grounds[self._components[nodes]]),
