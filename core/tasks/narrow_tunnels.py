@@ -17,8 +17,8 @@ from .surface_result import SurfaceResult
 if TYPE_CHECKING:
     from .surfaces import SurfaceRequest
 
-# Diameters of tunnels, in sides of a quad. Around smaller ones than the first there is no room for two sides, and around
-# smaller ones than the second none for four; these are closed where corners are far from right angles.
+# Diameters of tunnels, in sides of a quad. Around smaller ones than the first there is no room for two sides, and
+# around smaller ones than the second none for four; these are closed where corners are far from right angles.
 NARROWEST, WIDEST = 0.6, 1.0
 
 
