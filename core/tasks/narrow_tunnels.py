@@ -84,10 +84,15 @@ def _given(given: MeshInput, filled: FilledMesh) -> MeshInput:
 
 
 def on_surface(result: SurfaceResult, request: "SurfaceRequest", filled: FilledMesh) -> SurfaceResult:
-    """The result on a surface without tunnels with its quad mesh on the request's surface."""
+    """The result on a surface without tunnels with its quad mesh on the request's surface.
+
+    Triangles of disks, which are in no face of that, count to a face beside them: defects are reported by faces.
+    """
     quads, mesh = result.quads, request.given.mesh
     assert quads is not None
     triangles = filled.triangles[quads.triangles]
     weights = np.maximum(barycentric(mesh, triangles, quads.vertices), 0)
     quads = replace(quads, triangles=triangles, weights=weights / weights.sum(axis=1, keepdims=True))
-    return replace(result, quads=quads, given=_given(request.given, filled))
+    given = _given(request.given, filled)
+    polygons = replace(given.polygons, triangle_faces=request.given.polygons.triangle_faces[filled.triangles])
+    return replace(result, quads=quads, given=replace(given, polygons=polygons))

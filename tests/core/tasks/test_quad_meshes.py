@@ -301,6 +301,9 @@ def test_holes_narrower_than_a_quad_are_closed_before_the_solve():
     assert np.linalg.norm(there - quads.vertices, axis=1).max() < 0.25
     assert np.median(np.linalg.norm(there - quads.vertices, axis=1)) < 1e-9
     assert result.given.vertex_count == mesh.vertex_count < result.field.angles.size
+    # A defect in a disk is reported in a face of the object.
+    assert len(result.given.polygons.triangle_faces) == result.given.mesh.triangle_count
+    assert result.given.polygons.triangle_faces.max() < mesh.triangle_count
     pinned, finer = asked(mesh, faces=576, features=ANGLE, pins="0=1"), asked(mesh, faces=9000, features=ANGLE)
     assert without_tunnels(pinned, NARROWEST) is None and without_tunnels(finer, NARROWEST) is None
 
