@@ -133,7 +133,7 @@ def _refuse_faces(mesh: TriangleMesh, faces: np.ndarray) -> None:
     duplicate[first] = False
     for bad, what, remedy in (
         (flat, "no area", "use Mesh > Clean Up > Degenerate Dissolve"),
-        (duplicate, "the same corners as another face", "remove what is double with Mesh > Delete > Only Faces"),
+        (duplicate, "the same corners as another face", "delete one of each pair with Mesh > Delete > Only Faces"),
     ):
         if bad.any():
             names = np.unique(faces[bad])
