@@ -117,6 +117,8 @@ def test_images_with_unsaved_changes_are_baked_as_they_are(tmp_path):
     nodes = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("NodeGroupOutput")
     nodes[0].image = image
     tree.links.new(nodes[0].outputs[0], nodes[1].inputs[0])
+    if material.node_tree is None:
+        material.use_nodes = True
     own = material.node_tree
     group = own.nodes.new("ShaderNodeGroup")
     group.node_tree = tree
