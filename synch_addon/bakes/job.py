@@ -24,7 +24,7 @@ from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import shaders
-from .other_process import OtherProcess
+from .other_process import OtherProcess, can_be_stored
 from .scene_copy import make_scene_copy, read_uv, write_uv
 
 # Largest distance of the islands of a new map, in pixels, as a curved surface has hundreds of them. In images below
@@ -234,11 +234,15 @@ def _bake_all(obj, kind, settings, coordinates, folder, report, begin):
 
 
 def _beginning(elsewhere, folder):
-    """A function (copy, kind, margin) that bakes a prepared :class:`SceneCopy` here, or begins it in another process;
-    :func:`_wait` takes what it returns."""
-    if elsewhere:
-        return lambda copy, kind, margin: OtherProcess(copy.scene, kind, margin, folder)
-    return lambda copy, kind, margin: copy.bake(kind, margin)
+    """A function (copy, kind, margin) that bakes a prepared :class:`SceneCopy` here, or begins it in another process if
+    that can read all of the scene from a file; :func:`_wait` takes what it returns."""
+
+    def begin(copy, kind, margin):
+        if elsewhere and can_be_stored(copy.scene):
+            return OtherProcess(copy.scene, kind, margin, folder)
+        return copy.bake(kind, margin)
+
+    return begin
 
 
 def _wait(baking, *step):

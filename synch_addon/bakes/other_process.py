@@ -56,8 +56,20 @@ class OtherProcess:
             return np.load(self._target)
         except (OSError, ValueError, EOFError):
             raise SynchError(
-                f"the process that bakes ended without an image (code {self._child.returncode}): bake a smaller one"
+                f"the process that bakes ended without an image (code {self._child.returncode}): bake a smaller one, "
+                "or bake from a script, which says why it fails"
             ) from None
+
+
+def can_be_stored(scene):
+    """Whether a file can hold a scene as it is: it is without an image that has changes that are not saved."""
+    waiting, users, found = [image for image in bpy.data.images if image.is_dirty], bpy.data.user_map(), set()
+    while waiting:
+        block = waiting.pop()
+        if block not in found:
+            found.add(block)
+            waiting += users.get(block, ())
+    return scene not in found
 
 
 def _command():

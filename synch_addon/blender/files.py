@@ -222,20 +222,19 @@ def export_mesh(obj, path, z_up=False, written=write_whole):
     if coarse:
         raise SettingError(f"{path}: {coarse}, or write an .obj")
     with only_for_now(), written(path, arrived) as made:
-        is_mirrored = np.linalg.det(matrix[:3, :3]) < 0
-        shown = _placed(seen, is_mirrored) if is_mirrored or not obj.visible_get() else obj
+        shown = placed_mesh(seen) if seen.matrix_world.is_negative or not obj.visible_get() else obj
         for other in bpy.context.view_layer.objects:
             other.select_set(other == shown)
         with written_by_operator(path):
             _EXPORTERS[suffix](filepath=str(made))
 
 
-def _placed(seen, is_mirrored):
-    """A visible object like another one with the transform in its mesh: Blender's exporters leave hidden objects out,
-    and write mirrored ones to .ply files inside out."""
+def placed_mesh(seen):
+    """A visible mesh object like an evaluated one, with the transform in its mesh: Blender's exporters leave hidden
+    objects out, and write mirrored ones to .ply files inside out."""
     data = bpy.data.meshes.new_from_object(seen)
     data.transform(seen.matrix_world)
-    if is_mirrored:
+    if seen.matrix_world.is_negative:
         data.flip_normals()
     placed = bpy.data.objects.new(seen.name, data)
     bpy.context.scene.collection.objects.link(placed)

@@ -47,6 +47,18 @@ def flow_of(context, filepath):
     return chosen
 
 
+def settings_that_count(context, filepath):
+    """The settings that the chosen flow depends on: "core" for filaments, "attribute" for other flows, both if nothing
+    is chosen."""
+    try:
+        source = flow_of(context, filepath)
+    except SynchError:
+        return {"core", "attribute"}
+    if not isinstance(source, list):
+        return {"attribute"}
+    return {"attribute" if obj.type == "MESH" and obj.data.polygons else "core" for obj in source}
+
+
 def expected_solve(context, properties):
     """How large a solve with the scene's properties will be, an :class:`Expected`; None where only reading the flow can
     tell, or where it will be refused."""

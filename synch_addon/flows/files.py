@@ -10,7 +10,7 @@ from ...core.files.filaments import WRITERS, filament_shape, table_of, tube_shap
 from ...core.files.json_text import Json
 from ...core.files.whole import write_text, write_whole
 from ...core.validation import check_path
-from ..blender.files import check_output, written_by_operator
+from ..blender.files import check_output, placed_mesh, written_by_operator
 from ..blender.objects import no_object
 from ..blender.transaction import only_for_now
 from . import memory
@@ -79,7 +79,7 @@ def _write_alembic(obj, path):
     """Write an object as it is seen with Blender's exporter, which takes what is selected."""
     layer = bpy.context.view_layer
     selected = [other for other in layer.objects if other.select_get()]
-    frame = bpy.context.scene.frame_current
+    frame, name = bpy.context.scene.frame_current, obj.name
     try:
         with only_for_now(), write_whole(path) as made:
             shown = _shown_mesh(obj)
@@ -90,6 +90,7 @@ def _write_alembic(obj, path):
                     filepath=str(made), selected=True, start=frame, end=frame, as_background_job=False
                 )
     finally:
+        obj.name = name
         for other in layer.objects:
             other.select_set(other in selected)
 
@@ -101,9 +102,6 @@ def _shown_mesh(obj):
     copy.animation_data_clear()
     copy.hide_viewport = False
     bpy.context.scene.collection.objects.link(copy)
-    data = bpy.data.meshes.new_from_object(copy.evaluated_get(bpy.context.evaluated_depsgraph_get()))
-    shown = bpy.data.objects.new(obj.name, data)
-    shown.matrix_world = obj.matrix_world
-    bpy.context.scene.collection.objects.link(shown)
-    bpy.context.view_layer.update()
+    shown = placed_mesh(copy.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    shown.rename(obj.name, mode="ALWAYS")  # the object gets its name back
     return shown

@@ -28,8 +28,11 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
         return BakeJob(context.active_object, settings, self._elsewhere)
 
     def _start(self, context):
-        self._elsewhere = True
-        return super()._start(context)
+        self._elsewhere = True  # only now: the redo panel runs this operator to its end
+        try:
+            return super()._start(context)
+        finally:
+            self._elsewhere = False
 
     def _headline(self, report):
         is_packed = any("image" in entry for entry in report["maps"].values())

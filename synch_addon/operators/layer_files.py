@@ -4,6 +4,7 @@
 import os
 from functools import cache
 from pathlib import Path
+from zlib import crc32
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -59,8 +60,10 @@ def _list_machines(_operator, _context):
 
 @cache  # Blender keeps no reference to the texts of items that a function returns
 def _items(names):
-    own = [(f"//{name}", name, "A printer that a file beside the .blend describes") for name in names]
-    return [*_MACHINES, *((*item, len(_MACHINES) + k) for k, item in enumerate(own))]
+    tip = "A printer that a file beside the .blend describes"
+    # Blender keeps a chosen item by its number, which is by the name alone: other files come and go.
+    own = [(f"//{name}", name, tip, len(_MACHINES) + crc32(os.fsencode(name)) % 2**30) for name in names]
+    return [*_MACHINES, *own]
 
 
 _MACHINE = EnumProperty(name="Machine", description="The printer that the paths are for", items=_list_machines)

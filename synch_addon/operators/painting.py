@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ..blender.groups import is_group
 from ..blender.objects import set_mode
-from ..blender.translations import translate
+from ..blender.translations import operator_error, translate
 from ..panels.row_operators import can_set
 from ..patterns.painted_back import paint_back
 from ..settings.fields import source_of
@@ -90,5 +90,8 @@ class SYNCH_OT_done_painting(bpy.types.Operator):
             paint_back(made, source)
         if self.solves:
             name = "quad_mesh_again" if source is not None else made.synch_simple.kind
-            getattr(bpy.ops.synch, name)("INVOKE_DEFAULT")
+            try:
+                getattr(bpy.ops.synch, name)("INVOKE_DEFAULT")
+            except RuntimeError as error:  # its error, as Blender hands it on
+                self.report({"ERROR"}, operator_error(error))
         return {"FINISHED"}

@@ -9,7 +9,7 @@ import bpy
 from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
-from ..flows.chosen import expected_solve
+from ..flows.chosen import expected_solve, settings_that_count
 from ..flows.files import can_export
 from ..settings.preferences import is_simple
 from .progress import draw_begin, draw_estimate
@@ -87,15 +87,14 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
 
 def draw_vortices(layout, settings, draw_core):
     """What is solved; ``settings`` are the scene's or an operator's, whose core a callable (column) draws."""
-    active = None if settings.filepath else bpy.context.active_object
-    kind = None if active is None else active.type
+    counting = settings_that_count(bpy.context, settings.filepath)
     column = property_column(layout)
     column.prop(settings, "filepath", placeholder="chosen objects")
     column.prop(settings, "show")
     column.prop(settings, "resolution")
-    if not settings.filepath and kind not in ("MESH", "VOLUME"):
+    if "core" in counting:
         draw_core(column)
-    if kind != "CURVE":
+    if "attribute" in counting:
         column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])

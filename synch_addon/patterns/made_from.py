@@ -78,11 +78,31 @@ def _evaluated(obj, surface):
     mesh = evaluated.to_mesh()
     try:
         places = attributes.read_all(mesh.attributes["position"].data, "vector", 3, np.float32)
-        if surface != "seen" and last_bending(obj):  # the quad mesh is bent by the same modifiers
-            places = places[:0]
-        return _of_mesh(mesh, places, _levels(obj))
+        bending = [] if surface == "seen" else last_bending(obj)
+        if not bending:
+            return _of_mesh(mesh, places, _levels(obj))
+        # The quad mesh is bent by the same modifiers, so that places count as far as settings of the others say.
+        others = [_settings_text(one) for one in foreign_modifiers(obj) if one not in bending]
+        return _of_mesh(mesh, places[:0], _levels(obj), np.frombuffer("\n".join(others).encode(), np.uint8))
     finally:
         evaluated.to_mesh_clear()
+
+
+def _settings_text(modifier):
+    """The settings of a modifier's own kind as text that is the same in each session."""
+    common, parts = bpy.types.Modifier.bl_rna.properties.keys(), [modifier.type]
+    for name, setting in modifier.bl_rna.properties.items():
+        if name in common or setting.is_readonly or setting.type == "COLLECTION":
+            continue
+        value = getattr(modifier, name)
+        if setting.type == "POINTER":
+            value = getattr(value, "name", "")
+        elif setting.type == "ENUM":
+            value = sorted(value) if setting.is_enum_flag else value
+        elif getattr(setting, "is_array", False):
+            value = tuple(value)
+        parts.append(f"{name} {value}")
+    return "\n".join(parts)
 
 
 def _of_mesh(mesh, places, *more):

@@ -171,7 +171,7 @@ def test_spacing_property_tells_the_automatic_choice():
     np.testing.assert_allclose(np.cos(attribute(obj, "synch_phase")), np.cos(phases), atol=1e-3)
 
 
-@pytest.mark.parametrize("data_type", LAYOUTS.keys() - {"STRING"})
+@pytest.mark.parametrize("data_type", sorted(LAYOUTS.keys() - {"STRING"}))
 def test_every_type_of_attribute_of_this_blender_is_read(data_type):
     """What is not read would not go over to a finer surface."""
     obj = grid(3)

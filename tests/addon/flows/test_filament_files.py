@@ -78,7 +78,9 @@ def test_alembic_files_hold_the_tubes_around_filaments(tmp_path, is_hidden):
     report = clebsch(circle(), quantum=0.34, resolution=16, target_gap=0.1)
     obj = bpy.data.objects[report["object"]]
     shown = bpy.data.meshes.new_from_object(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
-    places = np.sort([vertex.co for vertex in shown.vertices], axis=0)
+    obj.scale.x = -2
+    bpy.context.view_layer.update()
+    places = np.sort([obj.matrix_world @ vertex.co for vertex in shown.vertices], axis=0)
     obj.hide_viewport = is_hidden
     obj.keyframe_insert("hide_viewport", frame=bpy.context.scene.frame_current)
     names = set(bpy.data.objects.keys())
@@ -86,6 +88,7 @@ def test_alembic_files_hold_the_tubes_around_filaments(tmp_path, is_hidden):
     assert set(bpy.data.objects.keys()) == names and obj.hide_viewport == is_hidden
     assert bpy.ops.wm.alembic_import(filepath=str(tmp_path / "tubes.abc")) == {"FINISHED"}
     (read,) = [other for other in bpy.data.objects if other.type == "MESH" and other.name not in names]
+    assert read.name == obj.name.replace(" ", "_")
     found = np.sort([read.matrix_world @ vertex.co for vertex in read.data.vertices], axis=0)
     assert len(read.data.polygons) == len(shown.polygons) > 100
     assert np.abs(found - places).max() < 1e-4

@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
 
 from synch_fields.core.settings.bake import BakeSettings
@@ -103,6 +104,33 @@ def test_another_process_bakes_the_same_while_the_window_goes_on(striped, tmp_pa
     for name in maps:
         images = [bpy.data.images.load(str(tmp_path / kind / f"{name}.png")) for kind in ("True", "False")]
         assert images[0].pixels[:] == images[1].pixels[:], name
+
+
+def test_images_with_unsaved_changes_are_baked_as_they_are(tmp_path):
+    """A file, from which another process could read them, does not have the changes."""
+    obj = sphere()
+    api.stripes(obj, spacing=0.5, method="spectral")
+    material, image = bpy.data.materials.new("Painted"), bpy.data.images.new("Painted", 4, 4)
+    image.pixels.foreach_set(np.tile(np.array([0.2, 0.8, 0.4, 1], np.float32), 16))
+    tree = bpy.data.node_groups.new("Texture", "ShaderNodeTree")
+    tree.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    nodes = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("NodeGroupOutput")
+    nodes[0].image = image
+    tree.links.new(nodes[0].outputs[0], nodes[1].inputs[0])
+    if material.node_tree is None:
+        material.use_nodes = True
+    own = material.node_tree
+    group = own.nodes.new("ShaderNodeGroup")
+    group.node_tree = tree
+    own.links.new(group.outputs[0], own.nodes["Principled BSDF"].inputs["Base Color"])
+    obj.data.materials[0] = material
+    bake = Bake(True, folder=str(tmp_path), naming="{map}")
+    bake.settings = replace(bake.settings, maps=("colour",))
+    loop, operator = begun(bake)
+    while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
+        time.sleep(0.02)
+    pixels = np.array(bpy.data.images.load(str(tmp_path / "colour.png")).pixels).reshape(-1, 4)
+    np.testing.assert_allclose(np.median(pixels, axis=0), [0.2, 0.8, 0.4, 1], atol=0.01)
 
 
 def test_escape_ends_the_process_that_bakes(striped, tmp_path):

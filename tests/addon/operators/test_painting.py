@@ -167,6 +167,15 @@ def test_one_click_ends_painting_and_makes_what_the_panel_makes(kind):
     assert len(made.data.polygons) == pytest.approx(2 * before, rel=0.1)
 
 
+def test_why_nothing_is_made_after_painting_is_said_in_one_line():
+    obj = sphere()
+    bpy.ops.synch.paint_map(target="SPACING")
+    obj.scale = (0, 0, 0)
+    with pytest.raises(RuntimeError, match="the scale of Icosphere is zero along an axis") as caught:
+        bpy.ops.synch.done_painting(solves=True)
+    assert str(caught.value).strip().count("\n") == 0 and obj.mode == "OBJECT"
+
+
 def test_weights_between_give_angles_between():
     obj = grid()
     x = places(obj)[:, 0]

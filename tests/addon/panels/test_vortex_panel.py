@@ -113,6 +113,14 @@ def test_settings_are_shown_where_they_count():
     ):
         add()
         assert {"shown_core", "attribute"} & set(drawn(SYNCH_PT_vortices)[1]) == {counts}
+    bpy.ops.mesh.primitive_circle_add()  # edges without faces are filaments
+    assert {"shown_core", "attribute"} & set(drawn(SYNCH_PT_vortices)[1]) == {"shown_core"}
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.curve.primitive_bezier_circle_add()
+    quick = {"resolution": 12, "quantum": 0.34, "target_gap": 0.5}
+    report = api.clebsch([bpy.context.active_object], show="tubes", **quick)
+    make_active(bpy.data.objects[report["object"]])  # what is solved again is the flow of the curve
+    assert {"shown_core", "attribute"} & set(drawn(SYNCH_PT_vortices)[1]) == {"shown_core"}
     settings.by = "COUNT"
     assert {"count", "share"} & set(drawn(SYNCH_PT_vortices)[1]) == {"count"}
     settings.by, settings.show, settings.use_frames = "CIRCULATION", "TUBES", True

@@ -310,6 +310,22 @@ def test_a_pose_after_modifiers_that_change_faces_stays_one(kinds):
     assert not quad_sources.has_changed(made, obj)
 
 
+def test_a_setting_of_what_shapes_the_quads_before_a_pose_counts():
+    obj, rig = raised_half("MIRROR", "ARMATURE")
+    displace = obj.modifiers.new("Displace", "DISPLACE")
+    displace.strength = 0.1
+    obj.modifiers.move(2, 1)
+    made, _ = made_from(obj, spacing=0.5)
+    rig.pose.bones["Bone"].location = (0, 0, 0)
+    obj.modifiers.active = obj.modifiers["Mirror"]
+    displace.show_expanded = not displace.show_expanded
+    bpy.context.view_layer.update()
+    assert not quad_sources.has_changed(made, obj)
+    displace.strength = 0.3
+    bpy.context.view_layer.update()
+    assert quad_sources.has_changed(made, obj)
+
+
 def test_a_pose_that_others_shape_later_is_part_of_the_quads():
     """A warning says so, and its remedy helps."""
     obj, _ = raised_half("ARMATURE", "MIRROR")

@@ -234,6 +234,9 @@ def test_a_machine_is_chosen_from_a_list(layered, tmp_path):
     mine.write_text("bed_width = 300\nfeed = 777")
     listed = {item[0] for item in layer_files._list_machines(None, None)}
     assert listed == {*MACHINES, "AUTOMATIC", "FILE", "//mine.toml"}
+    before = layer_files._list_machines(None, None)
+    (tmp_path / "earlier.toml").write_text("bed_width = 200")
+    assert set(before) < set(layer_files._list_machines(None, None))  # with the same numbers, which Blender keeps
     chosen = [{}, {"machine": "klipper"}, {"machine": "//mine.toml"}, {"machine": "FILE", "machine_file": str(mine)}]
     programs = []
     for number, machine in enumerate(chosen):
