@@ -35,7 +35,7 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     assert all(np.abs(np.subtract(old, new)).max() > 0.5 for old, new in zip(before, after, strict=True))
     cost = simple.value(f"part('panels.thumbnails')._cost({gallery}.made[1])")
     simple.click(cost)
-    simple.until("active().synch_shown.variation == 1")
+    simple.until(f"active().synch_shown.variation == {gallery}.made[1].number")
     keep("simple_variation", simple.picture())
 
 
