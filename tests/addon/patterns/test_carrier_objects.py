@@ -323,7 +323,7 @@ def test_the_command_line_tells_and_is_strict_when_asked(tmp_path, capfd):
     printed = capfd.readouterr()
     assert "have the same corners as another face: they count once" in printed.out + printed.err
     assert main.main(["directions", str(source), "--quiet", "--strict", "--report", str(told)]) == 1
-    assert "the same corners as another face: remove" in capfd.readouterr().err
+    assert "the same corners as another face: delete" in capfd.readouterr().err
     assert main.main(["info", str(source), "--report", str(told)]) == 0
     assert json.loads(told.read_text())["carrier"] == {"doubled_faces": 2, "turned_faces": 82}
 
