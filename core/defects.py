@@ -60,7 +60,7 @@ def disclination_numbers(
 def list_defects(mesh: TriangleMesh, kind: str, numbers: np.ndarray, symmetry: int = 1, phase: int = 0) -> list[Defect]:
     """List a :class:`Defect` for each triangle with a nonzero number.
 
-    ``numbers`` are (t,) integers; those of disclinations are symmetry times the index.
+    ``numbers`` are (t,) integers: indices of dislocations, or indices of disclinations times the symmetry.
     """
     triangles = np.flatnonzero(numbers)
     centres = mesh.vertices[mesh.triangles[triangles]].mean(axis=1)

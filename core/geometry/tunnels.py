@@ -8,6 +8,7 @@ import numpy as np
 
 from ..graphs import components, sum_by
 from .triangle_mesh import TriangleMesh
+from .vertex_splitting import next_half_edges
 
 
 @dataclass(frozen=True)
@@ -44,12 +45,14 @@ def without_narrow_tunnels(mesh: TriangleMesh, edges: np.ndarray, width: float) 
     same = inside[halves // 3] == inside[beside]
     clusters = components(mesh.triangle_count, np.column_stack([halves[same] // 3, beside[same]]))
     rim = halves[inside[halves // 3] & ~same]  # half-edges of narrow parts beside others
-    rim = rim[_are_tunnels(mesh, clusters, rim, width)[clusters[rim // 3]]]
-    if len(rim) == 0:
-        return None
-    removed = np.isin(clusters, clusters[rim // 3])
-    tails, heads = mesh.triangles.ravel()[rim], np.roll(mesh.triangles, -1, axis=1).ravel()[rim]
+    tails, heads = mesh.triangles.ravel()[[rim, next_half_edges(rim)]]
     loops = _loops(mesh, clusters[rim // 3], tails, heads)
+    filled = _are_tunnels(mesh, clusters, rim, tails, loops, width)[clusters[rim // 3]]
+    if not filled.any():
+        return None
+    rim, tails, heads = (values[filled] for values in (rim, tails, heads))
+    loops = np.unique(loops[filled], return_inverse=True)[1]
+    removed = np.isin(clusters, clusters[rim // 3])
     lengths = np.linalg.norm(mesh.vertices[tails] - mesh.vertices[heads], axis=1)
     middles = lengths[:, None] * (mesh.vertices[tails] + mesh.vertices[heads]) / 2
     centres = sum_by(loops, middles) / np.bincount(loops, lengths)[:, None]
@@ -59,13 +62,16 @@ def without_narrow_tunnels(mesh: TriangleMesh, edges: np.ndarray, width: float) 
     return FilledMesh(TriangleMesh(vertices, triangles), sources, np.append(np.flatnonzero(~removed), rim // 3))
 
 
-def _are_tunnels(mesh: TriangleMesh, clusters: np.ndarray, rim: np.ndarray, width: float) -> np.ndarray:
-    """(c,) bool: clusters of triangles, (m,) labels, without boundary and with several loops among (k,) half-edges, all
-    of which are simple and have diameters below the width."""
+def _are_tunnels(
+    mesh: TriangleMesh, clusters: np.ndarray, rim: np.ndarray, tails: np.ndarray, loops: np.ndarray, width: float
+) -> np.ndarray:
+    """(c,) bool: clusters of triangles, (m,) labels, without boundary and with several loops of (k,) half-edges, all of
+    which are simple and have diameters below the width.
+
+    ``rim`` are the half-edges, ``tails`` the vertices where they begin, ``loops`` the labels of their loops.
+    """
     count = clusters.max(initial=-1) + 1
     of = clusters[rim // 3]
-    tails, heads = mesh.triangles.ravel()[rim], np.roll(mesh.triangles, -1, axis=1).ravel()[rim]
-    loops = _loops(mesh, of, tails, heads)
     result = np.bincount(of[np.unique(loops, return_index=True)[1]], minlength=count) > 1
     # The box around a circle has a diagonal of root two times its diameter.
     low, high = _boxes(loops, mesh.vertices[tails])

@@ -20,8 +20,8 @@ from ..fields.target_one_form import TargetOneForm
 from ..monitor import Callback, portion
 from ..refinement.spacing import least_factor
 from ..solution import COARSE, FIRST
+from .closed_tunnels import NARROWEST, WIDEST, on_surface, without_tunnels
 from .face_counts import FAR, SPOILT, SpacingFactor, Trial, best_count, choose, face_count, mean_angle, misses
-from .narrow_tunnels import NARROWEST, WIDEST, on_surface, without_tunnels
 from .quad_drafts import (
     FEW,
     Draft,

@@ -37,7 +37,7 @@ def save(values, path, settings, map_name):
 
 
 def _save(values, path, settings, map_name, scene):
-    """Write them with the image settings of a scene, which are changed."""
+    """Write an image file as :func:`save`, by the image settings of a scene, which this changes."""
     kind = MAPS[map_name]
     image_settings = scene.render.image_settings
     image_settings.file_format = "PNG" if settings.file_format == "PNG" else "OPEN_EXR"

@@ -90,7 +90,7 @@ def bake_seconds(maps, size, samples):
 
 def _baking(link, settings, elsewhere):
     """Bake; yields the name of each step before it, and the share of the work done so far; returns the report."""
-    obj = link.found  # from here on the window is held, and the object with it
+    obj = link.found  # from here on users can only turn the view, so that the object stays
     with meshes.object_mode(obj):
         start = time.perf_counter()
         kind, folder = _kind(obj), _folder(obj, settings)

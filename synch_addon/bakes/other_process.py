@@ -62,7 +62,7 @@ class OtherProcess:
 
 
 def can_be_stored(scene):
-    """Whether a file can hold a scene as it is: it is without an image that has changes that are not saved."""
+    """Whether another process can read a scene from a file: a file lacks unsaved changes of images."""
     waiting, users, found = [image for image in bpy.data.images if image.is_dirty], bpy.data.user_map(), set()
     while waiting:
         block = waiting.pop()

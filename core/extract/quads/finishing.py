@@ -231,8 +231,8 @@ def check_quads(quads: QuadMesh, mesh: TriangleMesh, closes_tunnels: bool = Fals
 def _free(
     quads: QuadMesh, mesh: TriangleMesh, rows: Sequence[Row], chains: Chains | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) bool: vertices that may move, alone or along their line, and those of them that do not lie at sharp edges
-    which no line follows."""
+    """Which vertices may move, (n,) bool, freely or along a line; and which of these do not lie on a sharp edge without
+    a line, (n,) bool."""
     edges, counts = quads.edges
     on_lines = np.zeros(len(quads.vertices), bool) if chains is None else chains.fixed | (chains.lines >= 0)
     asked = _on_rows(quads, mesh, [row for row in rows if row.kind != GRID])

@@ -70,14 +70,20 @@ def test_lines_of_neighbouring_layers_cross_and_end_in_the_innermost_wall(cuboid
     assert np.abs([one @ other for one, other in pairwise(ways)]).max() < 1e-6
 
 
-def test_lines_cross_in_layers_that_are_closed():
-    """The mean height of spheres inside one another is the same: their levels tell which lines are turned."""
+def spheres():
+    """A thick shell, its layers, which are spheres inside one another, and their beads without infill."""
     solid = shell(np.linspace(0.6, 2, 8), 2)
     radius = np.linalg.norm(solid.vertices, axis=1)
     group = group_of(solid, radius < 0.61, np.pi)
     pattern = solve_layers(solid, solid.vertices / radius[:, None], 0.2, [group])
     surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
     full = contour_beads(surfaces, 0.2)
+    return solid, surfaces, full
+
+
+def test_lines_cross_in_layers_that_are_closed():
+    """The mean height of spheres inside one another is the same: their levels tell which lines are turned."""
+    solid, surfaces, full = spheres()
     lines = sparse_beads(surfaces, solid, full, 0.2, 0.2, Machine(walls=0, skins=0, infill=0.2)).lines
     ways, points = lines.points[lines.next] - lines.points, lines.points
     at_pole = np.abs(points[:, 2]) > 0.9 * np.linalg.norm(points, axis=1)
@@ -88,12 +94,7 @@ def test_lines_cross_in_layers_that_are_closed():
 
 def test_skins_of_curved_layers_follow_their_normals():
     """Spheres inside one another: layers are whole near the inner and the outer side, sparse half way."""
-    solid = shell(np.linspace(0.6, 2, 8), 2)
-    radius = np.linalg.norm(solid.vertices, axis=1)
-    group = group_of(solid, radius < 0.61, np.pi)
-    pattern = solve_layers(solid, solid.vertices / radius[:, None], 0.2, [group])
-    surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
-    full = contour_beads(surfaces, 0.2)
+    solid, surfaces, full = spheres()
     beads = sparse_beads(surfaces, solid, full, 0.2, 0.2, Machine(walls=1, skins=2, infill=0.25))
     assert surfaces.count == 7
     for layer in range(surfaces.count):

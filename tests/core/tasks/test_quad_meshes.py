@@ -20,7 +20,7 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement.spacing import faces_of_factor, smallest_sides, spacing_factor
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.core.tasks import quad_drafts, quad_meshes, surfaces
-from synch_fields.core.tasks.narrow_tunnels import NARROWEST, WIDEST, without_tunnels
+from synch_fields.core.tasks.closed_tunnels import NARROWEST, WIDEST, without_tunnels
 from synch_fields.core.tasks.surface_source import SurfaceSource
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 

@@ -123,7 +123,7 @@ def all_quads(
     """The quad mesh on a surface with quads instead of other faces, as far as possible.
 
     The (k, 2) edges to keep stay, whole or halved, and no new edge joins two of the vertices ``apart``. Also returns
-    the (n, 2) origins of the vertices, as given vertices: the ends of the edge that a vertex halves, or twice the same.
+    the (n, 2) given vertices that each vertex comes from: the ends of the edge that it halves, or twice itself.
     """
     origins = np.repeat(np.arange(len(quads.vertices))[:, None], 2, axis=1)
     if (quads.sizes == 4).all():
